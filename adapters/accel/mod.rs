@@ -1,0 +1,1 @@
+//! Accelerators of other people behind our trait, one file each.

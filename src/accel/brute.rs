@@ -1,0 +1,72 @@
+//! Every primitive for every ray: the accelerator that cannot be wrong about where primitives lie.
+
+use super::{Accel, Counts, Hit, Memory, Probe};
+use crate::geometry::{Best, Geometry};
+use crate::ray::{Aabb, Ray};
+
+/// Tests every primitive for every ray.
+///
+/// Fastest for a handful of primitives, and the reference for the conformance tests. Holds nothing beside the geometry.
+#[derive(Clone, Debug)]
+pub struct BruteForce<G> {
+    geometry: G,
+    bounds: Aabb,
+}
+
+impl<G: Geometry> BruteForce<G> {
+    /// Wraps the geometry; any geometry will do, an empty one too.
+    pub fn new(geometry: G) -> Self {
+        let bounds = (0..geometry.len()).fold(Aabb::EMPTY, |b, prim| b.union(&geometry.bounds(prim)));
+        Self { geometry, bounds }
+    }
+
+    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let ray = ray.intake()?;
+        let prep = self.geometry.prepare(&ray);
+        let mut best = Best::NONE;
+        for prim in 0..self.geometry.len() {
+            probe.test();
+            self.geometry.test(prim, &ray, &prep, &mut best);
+        }
+        best.prim().map(|prim| Hit { t: self.geometry.round(&ray, &best), prim })
+    }
+
+    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        let Some(ray) = ray.intake() else { return false };
+        let prep = self.geometry.prepare(&ray);
+        let mut best = Best::NONE;
+        (0..self.geometry.len()).any(|prim| {
+            probe.test();
+            self.geometry.test(prim, &ray, &prep, &mut best);
+            best.is_hit()
+        })
+    }
+}
+
+impl<G: Geometry> Accel for BruteForce<G> {
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, &mut ())
+    }
+
+    fn any_hit(&self, ray: &Ray) -> bool {
+        self.any(ray, &mut ())
+    }
+
+    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
+        counts.rays += 1;
+        self.closest(ray, counts)
+    }
+
+    fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
+        counts.rays += 1;
+        self.any(ray, counts)
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn memory(&self) -> Memory {
+        Memory::default()
+    }
+}

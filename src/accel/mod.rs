@@ -1,0 +1,82 @@
+//! What every accelerator answers: which primitive does a ray meet first, and does it meet any.
+
+mod brute;
+mod probe;
+
+pub use brute::BruteForce;
+pub use probe::{Counts, Probe};
+
+use crate::ray::{Aabb, Ray};
+use std::sync::Arc;
+
+/// The first primitive along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter, in units of the ray's direction: the exact value rounded to f32, `inf` beyond f32's range.
+    pub t: f32,
+    /// Index in the geometry.
+    pub prim: u32,
+}
+
+/// Finds primitives along rays.
+///
+/// Contract, checked for every registered accelerator: `t` lies in `[t_min, t_max]`; the least `t` wins, then the least
+/// `prim`; directions need not be unit; a ray that is not finite or has no direction hits nothing; no panic and no
+/// endless loop for any bits; [`Accel::any_hit`] is true exactly when [`Accel::closest_hit`] finds something.
+///
+/// Object-safe: choose at run time with `Box<dyn Accel>`, or statically with `A: Accel + ?Sized`.
+pub trait Accel: Send + Sync {
+    /// The first primitive that the ray meets within its range.
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit>;
+
+    /// True if the ray meets any primitive within its range.
+    fn any_hit(&self, ray: &Ray) -> bool;
+
+    /// As [`Accel::closest_hit`], and adds the work done. Accelerators that cannot count steps add only rays and tests.
+    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit>;
+
+    /// As [`Accel::any_hit`], and adds the work done.
+    fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool;
+
+    /// The least box around all primitives that can be hit; empty if there is none.
+    fn bounds(&self) -> Aabb;
+
+    /// Bytes held beside the geometry itself.
+    fn memory(&self) -> Memory;
+}
+
+/// Bytes that an accelerator holds beside the geometry, by purpose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// Cells or nodes.
+    pub structure: u64,
+    /// Primitive indices in leaves or cells.
+    pub references: u64,
+    /// Skip tables.
+    pub tables: u64,
+}
+
+impl Memory {
+    /// All bytes.
+    pub fn total(&self) -> u64 {
+        self.structure + self.references + self.tables
+    }
+}
+
+macro_rules! forward_accel {
+    ($($type:ty),*) => {$(
+        impl<A: Accel + ?Sized> Accel for $type {
+            fn closest_hit(&self, ray: &Ray) -> Option<Hit> { (**self).closest_hit(ray) }
+            fn any_hit(&self, ray: &Ray) -> bool { (**self).any_hit(ray) }
+            fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
+                (**self).closest_hit_counted(ray, counts)
+            }
+            fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
+                (**self).any_hit_counted(ray, counts)
+            }
+            fn bounds(&self) -> Aabb { (**self).bounds() }
+            fn memory(&self) -> Memory { (**self).memory() }
+        }
+    )*};
+}
+forward_accel!(&A, Box<A>, Arc<A>);

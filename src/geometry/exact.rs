@@ -1,0 +1,1 @@
+//! The last stage: signs, order and range decided in exact arithmetic.

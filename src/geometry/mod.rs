@@ -1,0 +1,186 @@
+//! Sets of primitives addressed by index, and the record of the best hit so far.
+//!
+//! Every accelerator runs the same tests in its leaves, so their answers are equal to the bit. A test decides as if in
+//! exact arithmetic: the least `t` wins, and at equal `t` the least index.
+
+mod exact;
+mod mixed;
+mod sphere;
+mod triangle;
+
+pub use mixed::Mixed;
+pub use sphere::{Sphere, SpherePrep};
+pub use triangle::{Triangle, TrianglePrep};
+
+use crate::ray::{Aabb, Cell, Ray};
+use std::sync::Arc;
+
+/// A set of primitives addressed by index `0..len`.
+///
+/// Slices and vectors of [`Triangle`] or [`Sphere`] are sets; so are `&G`, `Box<G>` and `Arc<G>` of any set `G`: an
+/// accelerator can borrow, own or share its primitives.
+pub trait Geometry: Send + Sync {
+    /// What the tests of one ray share, such as the watertight test's shear. `()` if nothing.
+    type Prep;
+
+    /// Number of primitives.
+    fn len(&self) -> u32;
+
+    /// True if there is no primitive.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The least box around `prim`, or [`Aabb::EMPTY`] if no ray can hit it (a coordinate that is not finite, say).
+    fn bounds(&self, prim: u32) -> Aabb;
+
+    /// Computes what all tests of `ray` share. `ray` comes from [`Ray::intake`].
+    fn prepare(&self, ray: &Ray) -> Self::Prep;
+
+    /// Makes `prim` the winner if `ray` meets it within its range at a smaller parameter than `best`, or at the same
+    /// one with a smaller index. Testing a primitive twice changes nothing. `ray` comes from [`Ray::intake`].
+    ///
+    /// The simplest implementation computes the parameter and calls [`Best::offer`].
+    fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best);
+
+    /// The winner's parameter as f32, the same for every order of tests. `best` has a winner.
+    fn round(&self, _ray: &Ray, best: &Best) -> f32 {
+        best.t as f32
+    }
+
+    /// False only if `prim` certainly has no point in the closed box `cell`.
+    fn overlaps(&self, prim: u32, cell: &Cell) -> bool {
+        cell.meets(&self.bounds(prim))
+    }
+
+    /// The corners if `prim` is a triangle; grids insert triangles by clipping instead of [`Geometry::overlaps`].
+    fn triangle(&self, _prim: u32) -> Option<Triangle> {
+        None
+    }
+}
+
+/// Index of "no primitive".
+pub(crate) const NO_PRIM: u32 = u32::MAX;
+
+/// The winner of one ray so far: its parameter with an error bound, and its primitive.
+///
+/// The true parameter lies in `t - err ..= t + err`. Sets that can compute exactly keep `err` above zero and decide
+/// overlaps themselves; all others use [`Best::offer`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Best {
+    t: f64,
+    err: f64,
+    prim: u32,
+}
+
+impl Best {
+    /// No winner yet.
+    pub const NONE: Best = Best { t: f64::INFINITY, err: 0.0, prim: NO_PRIM };
+
+    /// The winning primitive, if any.
+    #[inline]
+    pub fn prim(&self) -> Option<u32> {
+        (self.prim != NO_PRIM).then_some(self.prim)
+    }
+
+    /// True if a primitive was hit.
+    #[inline]
+    pub fn is_hit(&self) -> bool {
+        self.prim != NO_PRIM
+    }
+
+    /// The winner's parameter, `inf` if there is none.
+    #[inline]
+    pub fn t(&self) -> f64 {
+        self.t
+    }
+
+    /// Bound on the error of [`Best::t`], at least 0.
+    #[inline]
+    pub fn err(&self) -> f64 {
+        self.err
+    }
+
+    /// A parameter at or beyond the winner's true one, `inf` if there is none. A walk may stop where it has passed it.
+    #[inline]
+    pub fn upper(&self) -> f64 {
+        self.t + self.err
+    }
+
+    /// Makes `prim` the winner at `t`, known within `err`, whatever the winner was.
+    #[inline]
+    pub fn replace(&mut self, t: f64, err: f64, prim: u32) {
+        *self = Best { t, err, prim };
+    }
+
+    /// Makes `prim` the winner if `t`, taken as exact, lies in the ray's range and is less than the winner's, or equal
+    /// to it with a smaller index. A NaN is never a hit. For sets whose parameters are all taken as exact.
+    #[inline]
+    pub fn offer(&mut self, ray: &Ray, t: f64, prim: u32) {
+        let in_range = t >= f64::from(ray.t_min) && t <= f64::from(ray.t_max);
+        if in_range && (t < self.t || (t == self.t && prim < self.prim)) {
+            self.replace(t, 0.0, prim);
+        }
+    }
+}
+
+macro_rules! forward_geometry {
+    ($([$($generics:tt)*] $type:ty),* $(,)?) => {$(
+        impl<$($generics)*> Geometry for $type {
+            type Prep = G::Prep;
+            #[inline]
+            fn len(&self) -> u32 { (**self).len() }
+            #[inline]
+            fn bounds(&self, prim: u32) -> Aabb { (**self).bounds(prim) }
+            #[inline]
+            fn prepare(&self, ray: &Ray) -> Self::Prep { (**self).prepare(ray) }
+            #[inline]
+            fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+                (**self).test(prim, ray, prep, best);
+            }
+            #[inline]
+            fn round(&self, ray: &Ray, best: &Best) -> f32 { (**self).round(ray, best) }
+            #[inline]
+            fn overlaps(&self, prim: u32, cell: &Cell) -> bool { (**self).overlaps(prim, cell) }
+            #[inline]
+            fn triangle(&self, prim: u32) -> Option<Triangle> { (**self).triangle(prim) }
+        }
+    )*};
+}
+forward_geometry!([G: Geometry + ?Sized] &G, [G: Geometry + ?Sized] Box<G>, [G: Geometry + ?Sized] Arc<G>);
+
+/// `Vec<P>` is a set wherever `[P]` is.
+impl<P: Send + Sync> Geometry for Vec<P>
+where
+    [P]: Geometry,
+{
+    type Prep = <[P] as Geometry>::Prep;
+    #[inline]
+    fn len(&self) -> u32 {
+        Geometry::len(self.as_slice())
+    }
+    #[inline]
+    fn bounds(&self, prim: u32) -> Aabb {
+        self.as_slice().bounds(prim)
+    }
+    #[inline]
+    fn prepare(&self, ray: &Ray) -> Self::Prep {
+        self.as_slice().prepare(ray)
+    }
+    #[inline]
+    fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        self.as_slice().test(prim, ray, prep, best);
+    }
+    #[inline]
+    fn round(&self, ray: &Ray, best: &Best) -> f32 {
+        self.as_slice().round(ray, best)
+    }
+    #[inline]
+    fn overlaps(&self, prim: u32, cell: &Cell) -> bool {
+        self.as_slice().overlaps(prim, cell)
+    }
+    #[inline]
+    fn triangle(&self, prim: u32) -> Option<Triangle> {
+        self.as_slice().triangle(prim)
+    }
+}

@@ -1,0 +1,28 @@
+//! Grid ray-tracing accelerators that leap over empty space, behind one [`accel::Accel`] trait, next to BVHs that can
+//! be swapped for them; exact answers; a path tracer; and a validator against POV-Ray and Mitsuba.
+
+pub mod accel;
+#[path = "../adapters/accel/mod.rs"]
+pub mod adapters;
+#[cfg(feature = "cli")]
+pub mod cli;
+pub mod error;
+pub mod geometry;
+pub mod grid;
+#[cfg(feature = "render")]
+pub mod measure;
+#[cfg(feature = "picture")]
+pub mod picture;
+pub mod ray;
+pub mod registry;
+#[cfg(feature = "render")]
+pub mod render;
+#[cfg(feature = "scene")]
+pub mod scene;
+#[cfg(feature = "validate")]
+pub mod validate;
+
+pub use accel::{Accel, Hit};
+pub use error::{Error, Result};
+pub use geometry::{Geometry, Sphere, Triangle};
+pub use ray::{Aabb, Ray};

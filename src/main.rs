@@ -1,0 +1,3 @@
+//! The program `skipgrid`.
+
+fn main() {}

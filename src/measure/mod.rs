@@ -1,0 +1,1 @@
+//! Interleaved measurements of several accelerators on the same rays.

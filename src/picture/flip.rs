@@ -1,0 +1,1 @@
+//! FLIP: the perceived difference of two pictures.

@@ -1,0 +1,1 @@
+//! EXR, PNG and PFM in and out.

@@ -1,0 +1,1 @@
+//! Statistical and deterministic tests of two pictures.

@@ -1,0 +1,1 @@
+//! What a ray brings back.

@@ -1,0 +1,1 @@
+//! Exports a scene to Mitsuba 3.

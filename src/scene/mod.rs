@@ -1,0 +1,173 @@
+//! What is rendered: primitives in world space, materials, lights, camera; and where it comes from.
+
+mod camera;
+pub mod file;
+#[cfg(feature = "gltf")]
+mod gltf;
+mod light;
+mod load;
+mod material;
+pub mod mitsuba;
+#[cfg(feature = "obj")]
+mod obj;
+pub mod povray;
+pub mod procedural;
+pub mod raw;
+
+pub use camera::{Camera, CameraSource};
+pub use light::Light;
+pub use load::{LoadOptions, load};
+pub use material::{Bsdf, Filter, Material, Texture};
+
+use crate::accel::{Accel, Hit};
+use crate::error::Result;
+use crate::geometry::{Mixed, Sphere, Triangle};
+use crate::ray::Ray;
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::sync::Arc;
+
+/// The primitives of a scene as the accelerators see them: no sphere test is compiled into the path of a scene of
+/// triangles, and no triangle test into that of spheres.
+#[derive(Clone, Debug)]
+pub enum SceneGeometry {
+    /// Triangles only (or nothing at all).
+    Triangles(Arc<Vec<Triangle>>),
+    /// Spheres only.
+    Spheres(Arc<Vec<Sphere>>),
+    /// Triangles, then spheres.
+    Mixed(Arc<Mixed>),
+}
+
+/// A triangle mesh in world space with what shading needs.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Name from the file, for messages and exporters.
+    pub name: String,
+    /// Corners, world units.
+    pub positions: Vec<Vec3>,
+    /// Corner indices of each triangle, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normals, one for each position; empty: flat shading.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, one for each position, u right and v DOWN (as in glTF); empty: none.
+    pub uvs: Vec<Vec2>,
+    /// Index in [`Scene::materials`].
+    pub material: u32,
+}
+
+/// What shading needs to know about a hit, in f64.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// The point, on the primitive as nearly as f64 allows, world units.
+    pub position: DVec3,
+    /// Unit normal of the primitive itself; front side, not turned towards the viewer.
+    pub geometric_normal: DVec3,
+    /// Unit shading normal (interpolated where the mesh has normals); front side, not turned towards the viewer.
+    pub shading_normal: DVec3,
+    /// Texture coordinates, v down; zero where the mesh has none.
+    pub uv: DVec2,
+    /// Index in [`Scene::materials`].
+    pub material: u32,
+}
+
+/// Everything there is to render.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name for messages and output.
+    pub name: String,
+    /// Triangles of all meshes in order, then spheres.
+    pub geometry: SceneGeometry,
+    /// Meshes; triangle `i` of mesh `m` is primitive `mesh_offsets[m] + i`.
+    pub meshes: Vec<Mesh>,
+    /// First primitive of each mesh, and the number of triangles at the end: `meshes.len() + 1` entries.
+    pub mesh_offsets: Vec<u32>,
+    /// Spheres; sphere `i` is primitive `triangle_count + i`.
+    pub spheres: Vec<Sphere>,
+    /// Material of each sphere.
+    pub sphere_materials: Vec<u32>,
+    /// Materials; at least one.
+    pub materials: Vec<Material>,
+    /// Textures that materials refer to.
+    pub textures: Vec<Texture>,
+    /// Lights without extent. Emissive materials make their primitives area lights.
+    pub lights: Vec<Light>,
+    /// Radiance that arrives from every direction where nothing is hit, linear RGB; zero: no environment.
+    pub environment: Vec3,
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// What the file asks of the renderer; the command line overrides it.
+    pub defaults: RenderDefaults,
+    /// What was odd but usable in the input, one sentence each, naming the file.
+    pub warnings: Vec<String>,
+}
+
+/// What a scene file asks of the renderer, where it does.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RenderDefaults {
+    /// Width and height, pixels.
+    pub size: Option<(u32, u32)>,
+    /// Name of the integrator, `path` or `whitted`.
+    pub integrator: Option<String>,
+    /// Longest path, counted in edges (1: directly seen emission only).
+    pub max_depth: Option<u32>,
+    /// Samples for each pixel.
+    pub spp: Option<u32>,
+}
+
+/// The parts of a scene, before primitives are laid out in one index space.
+#[derive(Clone, Debug, Default)]
+pub struct SceneParts {
+    /// See [`Scene::name`].
+    pub name: String,
+    /// See [`Scene::meshes`].
+    pub meshes: Vec<Mesh>,
+    /// Spheres with their materials.
+    pub spheres: Vec<(Sphere, u32)>,
+    /// See [`Scene::materials`]; a grey Lambert material is added if there is none.
+    pub materials: Vec<Material>,
+    /// See [`Scene::textures`].
+    pub textures: Vec<Texture>,
+    /// See [`Scene::lights`].
+    pub lights: Vec<Light>,
+    /// See [`Scene::environment`].
+    pub environment: Vec3,
+    /// `None`: one is framed.
+    pub camera: Option<Camera>,
+    /// See [`Scene::defaults`].
+    pub defaults: RenderDefaults,
+    /// See [`Scene::warnings`].
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Lays the parts out in one index space and frames a camera if there is none.
+    ///
+    /// # Errors
+    /// A triangle refers to a vertex, or anything to a material or texture, that does not exist; normals or texture
+    /// coordinates differ in number from the positions; more than 2^32 - 2 primitives.
+    pub fn new(parts: SceneParts) -> Result<Scene> {
+        load::assemble(parts)
+    }
+
+    /// Number of triangles; spheres come after them.
+    pub fn triangle_count(&self) -> u32 {
+        *self.mesh_offsets.last().unwrap_or(&0)
+    }
+
+    /// Builds the accelerator that `spec` names over the scene's primitives.
+    ///
+    /// # Errors
+    /// As [`crate::registry::build`].
+    pub fn accel(&self, spec: &str) -> Result<Box<dyn Accel>> {
+        match &self.geometry {
+            SceneGeometry::Triangles(g) => crate::registry::build(spec, g.clone()),
+            SceneGeometry::Spheres(g) => crate::registry::build(spec, g.clone()),
+            SceneGeometry::Mixed(g) => crate::registry::build(spec, g.clone()),
+        }
+    }
+
+    /// What shading needs at `hit` of `ray`.
+    pub fn surface(&self, ray: &Ray, hit: Hit) -> Surface {
+        load::surface(self, ray, hit)
+    }
+}

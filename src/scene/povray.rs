@@ -1,0 +1,1 @@
+//! Exports a scene to POV-Ray.

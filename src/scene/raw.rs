@@ -1,0 +1,1 @@
+//! Bare triangles, spheres and rays: `.tri`, `.sph`, `.rays`, `.truth`.

@@ -1,0 +1,1 @@
+//! Rendered pictures against those of POV-Ray and Mitsuba in `reference/`.

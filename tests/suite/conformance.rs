@@ -1,0 +1,1 @@
+//! Every registered accelerator against brute force, to the bit.

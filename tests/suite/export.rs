@@ -1,0 +1,1 @@
+//! Exported scenes say what the scene says.

@@ -1,0 +1,11 @@
+//! One test program: behaviour through the public interface.
+mod cli;
+mod conformance;
+mod export;
+mod malformed;
+mod pictures;
+mod render;
+mod scenes;
+mod tidy;
+mod truth;
+mod validate;

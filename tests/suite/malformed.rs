@@ -1,0 +1,1 @@
+//! Malformed input: one clear error, no panic.

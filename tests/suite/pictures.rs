@@ -1,0 +1,1 @@
+//! Files and metrics of pictures.

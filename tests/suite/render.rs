@@ -1,0 +1,1 @@
+//! The path tracer against closed forms.

@@ -1,0 +1,1 @@
+//! Scene files, loaders and procedural scenes.

@@ -1,0 +1,1 @@
+//! Brute force against the exact records of the stiff catalogue.

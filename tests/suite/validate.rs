@@ -1,0 +1,1 @@
+//! The validator passes what is right and fails what is tampered with.
