@@ -6,20 +6,23 @@ use glam::Vec3;
 type V = [i128; 3];
 
 /// Seeded numbers (xorshift64*).
-struct Random(u64);
+pub(super) struct Random(u64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+    pub fn next(&mut self) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
         self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 8
     }
     /// Uniform in `-n..=n`.
-    fn within(&mut self, n: i128) -> i128 {
+    pub fn within(&mut self, n: i128) -> i128 {
         i128::from(self.next()) % (2 * n + 1) - n
     }
-    fn vector(&mut self, n: i128) -> V {
+    pub fn vector(&mut self, n: i128) -> V {
         [(); 3].map(|()| self.within(n))
     }
 }
