@@ -108,3 +108,11 @@
 //!
 //! A quad's texture coordinates, v down as everywhere, are (0, 1) at `corner`, (1, 1) at `corner + u`, (1, 0) at
 //! `corner + u + v` and (0, 0) at `corner + v`, times `repeat`: the texture stands upright where v points up.
+
+use super::{LoadOptions, SceneParts};
+use crate::error::{Error, Result};
+use std::path::Path;
+
+pub(super) fn read(path: &Path, _options: &LoadOptions) -> Result<SceneParts> {
+    Err(Error::malformed(path, "soon"))
+}
