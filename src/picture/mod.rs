@@ -3,6 +3,7 @@
 pub mod flip;
 pub mod io;
 pub mod metrics;
+pub mod srgb;
 pub mod tiles;
 
 /// A picture in linear RGB, rows from the top.
