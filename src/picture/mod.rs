@@ -3,6 +3,8 @@
 pub mod flip;
 pub mod io;
 pub mod metrics;
+pub mod srgb;
+#[cfg(feature = "validate")]
 pub mod tiles;
 
 /// A picture in linear RGB, rows from the top.
