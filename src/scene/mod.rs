@@ -1,6 +1,7 @@
 //! What is rendered: primitives in world space, materials, lights, camera; and where it comes from.
 
 mod camera;
+mod export;
 pub mod file;
 #[cfg(feature = "gltf")]
 mod gltf;
@@ -15,6 +16,7 @@ pub mod procedural;
 pub mod raw;
 
 pub use camera::{Camera, CameraSource};
+pub use export::ExportSettings;
 pub use light::Light;
 pub use load::{LoadOptions, load};
 pub use material::{Bsdf, Filter, Material, Texture};
