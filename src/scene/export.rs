@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::ray::Aabb;
 use glam::{DVec3, Vec3};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::fmt;
 use std::fs::{self, File};
@@ -92,6 +93,23 @@ pub(super) fn check(scene: &Scene, settings: &ExportSettings) -> Result<()> {
 pub(super) fn usable_triangles(mesh: &Mesh) -> Vec<[u32; 3]> {
     let finite = |&i: &u32| mesh.positions.get(i as usize).is_some_and(|p| p.is_finite());
     mesh.triangles.iter().filter(|t| t.iter().all(finite)).copied().collect()
+}
+
+/// The normals of `mesh`, empty if it shades flat. Where one is zero or not finite the sum of the normals of the
+/// triangles around stands for it: the renderers want to normalise it.
+pub(super) fn usable_normals(mesh: &Mesh) -> Cow<'_, [Vec3]> {
+    let usable = |n: &Vec3| n.is_finite() && n.length_squared() > 0.0;
+    if mesh.normals.iter().all(usable) {
+        return Cow::Borrowed(&mesh.normals);
+    }
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    for triangle in usable_triangles(mesh) {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        triangle.iter().for_each(|&i| sums[i as usize] += normal);
+    }
+    let normals = mesh.normals.iter().zip(sums);
+    Cow::Owned(normals.map(|(n, sum)| if usable(n) { *n } else { sum.normalize_or(DVec3::Y).as_vec3() }).collect())
 }
 
 /// Indices of the spheres that a renderer can read: finite, with a radius above 0.

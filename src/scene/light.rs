@@ -52,7 +52,8 @@ impl Light {
                 .or_else(|| unit(direction))
                 .or_else(|| radiant("intensity", intensity))
                 .or_else(|| {
-                    (!(cutoff > 0.0 && cutoff <= 90.0)).then(|| format!("cutoff {cutoff} is not within 0 to 90 degrees"))
+                    (!(cutoff > 0.0 && cutoff <= 90.0))
+                        .then(|| format!("cutoff {cutoff} is not within 0 to 90 degrees"))
                 })
                 .or_else(|| {
                     let good = beam_width >= 0.0 && beam_width <= cutoff;

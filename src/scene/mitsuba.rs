@@ -4,7 +4,7 @@
 //! become binary PLY files, textures PNG files beside the scene. What differs by nature is named in the warnings.
 
 use super::export::{Assets, ExportSettings, Number, Triple, at_origin, bounds, check, left_out, plain};
-use super::export::{usable_spheres, usable_triangles, write_whole};
+use super::export::{usable_normals, usable_spheres, usable_triangles, write_whole};
 use super::{Bsdf, Filter, Light, Material, Mesh, Scene};
 use crate::error::Result;
 use glam::{DVec3, Vec3};
@@ -283,7 +283,8 @@ impl Writer<'_> {
 /// A mesh as binary little-endian PLY: x y z, nx ny nz and u v where there are any (v down, as Mitsuba has it).
 fn write_ply(mesh: &Mesh, triangles: &[[u32; 3]], w: &mut dyn Write) -> io::Result<()> {
     write!(w, "ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.len())?;
-    let normals = mesh.normals.len() == mesh.positions.len();
+    let directions = usable_normals(mesh);
+    let normals = directions.len() == mesh.positions.len();
     let uvs = mesh.uvs.len() == mesh.positions.len();
     let names = ["x", "y", "z"].into_iter();
     let names = names.chain(["nx", "ny", "nz"].into_iter().filter(|_| normals));
@@ -296,7 +297,7 @@ fn write_ply(mesh: &Mesh, triangles: &[[u32; 3]], w: &mut dyn Write) -> io::Resu
         // No triangle that is written uses a vertex that is not finite.
         p.to_array().into_iter().try_for_each(&mut put)?;
         if normals {
-            mesh.normals[i].to_array().into_iter().try_for_each(&mut put)?;
+            directions[i].to_array().into_iter().try_for_each(&mut put)?;
         }
         if uvs {
             mesh.uvs[i].to_array().into_iter().try_for_each(&mut put)?;

@@ -1,5 +1,5 @@
 //! OBJ and MTL scenes.
-use super::{SceneParts};
+use super::SceneParts;
 use crate::error::{Error, Result};
 use std::path::Path;
 pub(super) fn read(path: &Path) -> Result<SceneParts> {

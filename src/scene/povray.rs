@@ -8,7 +8,7 @@
 //! `2 / (1 + (d / fade_distance)^fade_power)`.
 
 use super::export::{Assets, ExportSettings, Number, Triple, at_origin, bounds, check, left_out, plain};
-use super::export::{usable_spheres, usable_triangles, write_whole};
+use super::export::{usable_normals, usable_spheres, usable_triangles, write_whole};
 use super::{Bsdf, Filter, Light, Material, Mesh, Scene};
 use crate::error::Result;
 use glam::{DVec3, Vec3};
@@ -287,7 +287,7 @@ impl<'a> Writer<'a> {
         writeln!(w, "// {}\n#declare {name} = mesh2 {{", plain(&mesh.name))?;
         self.write_vectors("vertex_vectors", &mesh.positions, self.scale, w)?;
         if !mesh.normals.is_empty() {
-            self.write_vectors("normal_vectors", &mesh.normals, 1.0, w)?;
+            self.write_vectors("normal_vectors", &usable_normals(mesh), 1.0, w)?;
         }
         if !mesh.uvs.is_empty() {
             write!(w, "uv_vectors {{ {}", mesh.uvs.len())?;

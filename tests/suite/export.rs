@@ -2,14 +2,13 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use skipgrid::scene::{
-    Bsdf, Camera, CameraSource, ExportSettings, Filter, Light, Material, Mesh, RenderDefaults, Scene, SceneGeometry,
-    Texture, mitsuba, povray,
+    Bsdf, Camera, CameraSource, ExportSettings, Filter, Light, Material, Mesh, Scene, SceneParts, Texture, mitsuba,
+    povray,
 };
 use skipgrid::{Error, Sphere};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::Arc;
 
 const SETTINGS: ExportSettings = ExportSettings { width: 48, height: 32, max_depth: 6 };
 
@@ -43,26 +42,28 @@ fn square(half: f32, y: f32, material: u32) -> Mesh {
 }
 
 fn scene(meshes: Vec<Mesh>, spheres: Vec<(Sphere, u32)>, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
-    Scene {
-        name: "test".into(),
-        geometry: SceneGeometry::Triangles(Arc::new(Vec::new())),
-        mesh_offsets: Vec::new(),
-        meshes,
-        sphere_materials: spheres.iter().map(|s| s.1).collect(),
-        spheres: spheres.into_iter().map(|s| s.0).collect(),
-        materials,
-        textures: Vec::new(),
-        lights,
-        environment: Vec3::ZERO,
-        camera: Camera {
-            origin: DVec3::new(1.0, 6.0, 9.0),
-            target: DVec3::new(0.5, 0.0, 0.0),
-            up: DVec3::new(0.1, 1.0, 0.0),
-            yfov: 40.0,
-            source: CameraSource::File,
-        },
-        defaults: RenderDefaults::default(),
-        warnings: Vec::new(),
+    let camera = Camera {
+        origin: DVec3::new(1.0, 6.0, 9.0),
+        target: DVec3::new(0.5, 0.0, 0.0),
+        up: DVec3::new(0.1, 1.0, 0.0),
+        yfov: 40.0,
+        source: CameraSource::File,
+    };
+    let name = "test".into();
+    let parts = SceneParts { name, meshes, spheres, materials, lights, camera: Some(camera), ..SceneParts::default() };
+    Scene::new(SceneParts { textures: vec![texels()], ..parts }).expect("a sound scene")
+}
+
+/// Six texels, no two alike.
+fn texels() -> Texture {
+    let texel = |i: u16| Vec3::new(f32::from(i), f32::from(5 - i), 2.5) / 5.0;
+    Texture {
+        name: "texels".into(),
+        width: 3,
+        height: 2,
+        texels: (0..6).map(texel).collect(),
+        srgb: false,
+        filter: Filter::Bilinear,
     }
 }
 
@@ -107,15 +108,6 @@ fn everything() -> Scene {
         lights,
     );
     scene.environment = Vec3::new(0.1, 0.2, 0.3);
-    let texel = |i: u16| Vec3::new(f32::from(i), f32::from(5 - i), 2.5) / 5.0;
-    scene.textures.push(Texture {
-        name: "texels".into(),
-        width: 3,
-        height: 2,
-        texels: (0..6).map(texel).collect(),
-        srgb: false,
-        filter: Filter::Bilinear,
-    });
     scene
 }
 
@@ -235,6 +227,8 @@ fn what_cannot_be_written_is_an_error_or_left_out() {
     let folder = folder("bad");
     bad.meshes[1].positions[0].y = f32::NAN;
     bad.spheres[1].radius = f32::INFINITY;
+    // A normal that is none: the triangles' own stands for it.
+    bad.meshes[2].normals = vec![Vec3::ZERO, Vec3::NAN, Vec3::Y, Vec3::Y];
     for (name, warnings) in [
         ("bad.pov", povray::export(&bad, &SETTINGS, &folder.join("bad.pov")).expect("exports")),
         ("bad.xml", mitsuba::export(&bad, &SETTINGS, &folder.join("bad.xml")).expect("exports")),
@@ -243,6 +237,9 @@ fn what_cannot_be_written_is_an_error_or_left_out() {
         assert!(!text.contains("nan") && !text.contains("inf,"), "{name}");
         assert!(warnings.iter().any(|w| w.contains("2 triangles and 1 spheres")), "{warnings:?}");
     }
+    let text = fs::read_to_string(folder.join("bad.pov")).expect("the file is there");
+    let normals = &text[text.rfind("normal_vectors").expect("the last mesh is smooth")..];
+    assert_eq!(count(&normals[..normals.find('}').expect("its end")], "<0, 1, 0>"), 4);
     let nowhere = folder.join("missing").join("a.pov");
     for result in [povray::export(&bad, &SETTINGS, &nowhere), mitsuba::export(&bad, &SETTINGS, &nowhere)] {
         assert!(matches!(result, Err(Error::Io { .. })), "{result:?}");

@@ -73,9 +73,8 @@ fn cap(u: f64, flip: bool, at: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let normal = if flip { DVec3::NEG_X } else { DVec3::X };
     let [x, sill, top, _] = outline(u);
     let middle = DVec3::new(x, (sill + top) / 2.0, 0.0);
-    let mut mesh = patch("cap", (24, Edge::Closed), (1, Edge::Open), |v, r| {
-        (if r == 0.0 { at(u, v) } else { middle }, normal)
-    });
+    let mut mesh =
+        patch("cap", (24, Edge::Closed), (1, Edge::Open), |v, r| (if r == 0.0 { at(u, v) } else { middle }, normal));
     // The inner ring is one point.
     mesh.triangles.retain(|t| t.iter().filter(|&&i| i >= 24).count() < 2);
     if !flip {
@@ -88,12 +87,15 @@ fn wheels() -> Mesh {
     let mut mesh = Mesh { name: "wheels".into(), ..Mesh::default() };
     for (x, z) in [(-1.35, -0.78), (-1.35, 0.78), (1.35, -0.78), (1.35, 0.78)] {
         // A torus about the axle; tread and rim in one.
-        append(&mut mesh, patch("wheel", (24, Edge::Closed), (8, Edge::Closed), |u, v| {
-            let ((su, cu), (sv, cv)) = ((TAU * u).sin_cos(), (TAU * v).sin_cos());
-            let normal = DVec3::new(cv * cu, cv * su, sv);
-            let hub = DVec3::new(x + 0.22 * cu, 0.31 + 0.22 * su, z);
-            (hub + 0.09 * normal, normal)
-        }));
+        append(
+            &mut mesh,
+            patch("wheel", (24, Edge::Closed), (8, Edge::Closed), |u, v| {
+                let ((su, cu), (sv, cv)) = ((TAU * u).sin_cos(), (TAU * v).sin_cos());
+                let normal = DVec3::new(cv * cu, cv * su, sv);
+                let hub = DVec3::new(x + 0.22 * cu, 0.31 + 0.22 * su, z);
+                (hub + 0.09 * normal, normal)
+            }),
+        );
     }
     mesh
 }

@@ -40,9 +40,5 @@ fn body(options: &Options) -> Result<Body> {
 }
 
 fn stage(_: &Options) -> Stage {
-    daylight(vec![
-        lambert("brick", 0.65, 0.3, 0.2),
-        lambert("sand", 0.7, 0.6, 0.4),
-        lambert("slate", 0.3, 0.35, 0.45),
-    ])
+    daylight(vec![lambert("brick", 0.65, 0.3, 0.2), lambert("sand", 0.7, 0.6, 0.4), lambert("slate", 0.3, 0.35, 0.45)])
 }

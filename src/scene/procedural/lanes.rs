@@ -33,9 +33,5 @@ fn body(options: &Options) -> Result<Body> {
 }
 
 fn stage(_: &Options) -> Stage {
-    daylight(vec![
-        lambert("ochre", 0.7, 0.5, 0.2),
-        lambert("teal", 0.2, 0.55, 0.55),
-        lambert("white", 0.7, 0.7, 0.7),
-    ])
+    daylight(vec![lambert("ochre", 0.7, 0.5, 0.2), lambert("teal", 0.2, 0.55, 0.55), lambert("white", 0.7, 0.7, 0.7)])
 }

@@ -31,9 +31,8 @@ fn body(options: &Options) -> Result<Body> {
     };
     let flat = |p: DVec3| (p, DVec3::ZERO);
     // The field reaches below the first tier; one step from the centre outwards.
-    let mut field = patch("field", (SIDES, Edge::Closed), (1, Edge::Open), |u, v| {
-        flat(around(u, 400.0 * (1.0 - v), FIELD))
-    });
+    let mut field =
+        patch("field", (SIDES, Edge::Closed), (1, Edge::Open), |u, v| flat(around(u, 400.0 * (1.0 - v), FIELD)));
     field.triangles.retain(|t| t.iter().filter(|&&i| i >= SIDES).count() < 2);
     // Steps: even rows are the foot of a riser, odd rows its head.
     let mut stands = patch("stands", (SIDES, Edge::Closed), (2 * TIERS, Edge::Open), |u, v| {
