@@ -38,10 +38,8 @@ impl Camera {
         };
         let (target, half) = ((min + max) / 2.0, (max - min) / 2.0);
         let backward = DVec3::new(0.6, 0.36, 0.8).normalize();
-        let mut camera =
-            Self { origin: target + backward, target, up: DVec3::Y, yfov: 40.0, source: CameraSource::Framed };
-        let [forward, right, up] = camera.basis();
-        let tan = (camera.yfov.to_radians() / 2.0).tan();
+        let (yfov, [forward, right, up]) = (40.0_f64, basis(-backward, DVec3::Y));
+        let tan = (yfov.to_radians() / 2.0).tan();
         // The least distance from which each corner of the box is inside the picture.
         let distance = (0..8)
             .map(|corner: u8| {
@@ -52,8 +50,8 @@ impl Camera {
             .fold(0.0, f64::max);
         // A point has no extent: any distance that its coordinates can resolve.
         let least = 1e-3 * target.abs().max_element().max(f64::from(f32::MIN_POSITIVE));
-        camera.origin = target - forward * (1.05 * distance).max(least);
-        camera
+        let origin = target - forward * (1.05 * distance).max(least);
+        Self { origin, target, up: DVec3::Y, yfov, source: CameraSource::Framed }
     }
 
     /// What makes the camera unusable, in words.
@@ -72,9 +70,7 @@ impl Camera {
 
     /// Forward, right and up: an orthonormal basis.
     pub fn basis(&self) -> [DVec3; 3] {
-        let forward = (self.target - self.origin).normalize();
-        let right = forward.cross(self.up).normalize();
-        [forward, right, right.cross(forward)]
+        basis(self.target - self.origin, self.up)
     }
 
     /// Unit direction through the film point (x, y), in pixels from the top left corner of a `width` x `height` film;
@@ -87,6 +83,12 @@ impl Camera {
         let fy = (1.0 - y / h * 2.0) * half;
         (forward + fx * right + fy * up).normalize()
     }
+}
+
+fn basis(view: DVec3, up: DVec3) -> [DVec3; 3] {
+    let forward = view.normalize();
+    let right = forward.cross(up).normalize();
+    [forward, right, right.cross(forward)]
 }
 
 #[cfg(test)]

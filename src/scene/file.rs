@@ -30,7 +30,7 @@
 //! [[material]]
 //! name = "floor"
 //! type = "lambert"                # lambert, mirror, dielectric or conductor
-//! albedo = [0.5, 0.5, 0.5]        # lambert: reflected share, 0 to 1; default 0.5; a factor where there is a texture
+//! albedo = [0.5, 0.5, 0.5]        # lambert: reflected share, 0 to 1, a factor on the texture; default 0.5, 1 with one
 //! texture = "checks"              # lambert: default none
 //! emission = [0.0, 0.0, 0.0]      # any type: radiance from the front; default none
 //!
@@ -109,10 +109,117 @@
 //! A quad's texture coordinates, v down as everywhere, are (0, 1) at `corner`, (1, 1) at `corner + u`, (1, 0) at
 //! `corner + u + v` and (0, 0) at `corner + v`, times `repeat`: the texture stands upright where v points up.
 
-use super::{LoadOptions, SceneParts};
-use crate::error::{Error, Result};
-use std::path::Path;
+mod look;
+mod schema;
+mod shape;
 
-pub(super) fn read(path: &Path, _options: &LoadOptions) -> Result<SceneParts> {
-    Err(Error::malformed(path, "soon"))
+use super::load::{read_bytes, stem};
+use super::{LoadOptions, Material, SceneParts};
+use crate::error::{Error, Result};
+use glam::Vec3;
+use schema::SceneFile;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// Reads a scene file and everything that it refers to.
+///
+/// # Errors
+/// A file cannot be read, the text is not TOML, or a key or value is not as the module's documentation says.
+pub(super) fn read(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
+    let bytes = read_bytes(path)?;
+    let text = std::str::from_utf8(&bytes).map_err(|e| {
+        let line = bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
+        Error::malformed(path, format!("line {line}: not UTF-8"))
+    })?;
+    let reader = Reader { path, text, options };
+    let file: SceneFile = toml::from_str(text).map_err(|e| {
+        let cause = e.message().replace('\n', ", ");
+        reader.fail(e.span().map_or(0, |s| s.start), cause)
+    })?;
+    reader.build(file)
+}
+
+/// What every part of a scene file needs to be read and to be blamed.
+struct Reader<'a> {
+    path: &'a Path,
+    text: &'a str,
+    options: &'a LoadOptions,
+}
+
+impl Reader<'_> {
+    fn fail(&self, at: usize, cause: impl std::fmt::Display) -> Error {
+        let line = self.text.bytes().take(at).filter(|&b| b == b'\n').count() + 1;
+        Error::malformed(self.path, format!("line {line}: {cause}"))
+    }
+
+    fn build(&self, file: SceneFile) -> Result<SceneParts> {
+        let name = file.name.unwrap_or_else(|| stem(self.path));
+        let mut parts = SceneParts { name, ..SceneParts::default() };
+        if let Some(e) = file.environment {
+            parts.environment = self.radiance(e.span().start, "environment", *e.get_ref())?;
+        }
+        parts.camera = file.camera.map(|c| self.camera(c)).transpose()?;
+        parts.defaults = file.render.map(|r| self.render(r)).transpose()?.unwrap_or_default();
+        for texture in file.texture {
+            let texture = self.texture(texture, &parts)?;
+            parts.textures.push(texture);
+        }
+        for material in file.material {
+            let material = self.material(material, &parts)?;
+            parts.materials.push(material);
+        }
+        for sphere in file.sphere {
+            self.sphere(sphere, &mut parts)?;
+        }
+        for quad in file.quad {
+            self.quad(quad, &mut parts)?;
+        }
+        for triangles in file.triangles {
+            self.triangles(triangles, &mut parts)?;
+        }
+        for mesh in file.mesh {
+            self.mesh(mesh, &mut parts)?;
+        }
+        for procedural in file.procedural {
+            self.procedural(procedural, &mut parts)?;
+        }
+        for light in file.light {
+            let light = self.light(light)?;
+            parts.lights.push(light);
+        }
+        Ok(parts)
+    }
+
+    fn beside(&self, file: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    fn index_of<'n>(&self, what: &str, name: &Spanned<String>, known: impl Iterator<Item = &'n str>) -> Result<u32> {
+        let names: Vec<&str> = known.collect();
+        match names.iter().position(|n| n == name.get_ref()) {
+            Some(i) => Ok(i as u32),
+            None => {
+                let cause = format!("no {what} `{}` among [{}]", name.get_ref(), names.join(", "));
+                Err(self.fail(name.span().start, cause))
+            }
+        }
+    }
+
+    fn material_index(&self, name: Option<&Spanned<String>>, parts: &mut SceneParts) -> Result<u32> {
+        if let Some(name) = name {
+            return self.index_of("material", name, parts.materials.iter().map(|m| m.name.as_str()));
+        }
+        let grey = Material::grey();
+        let found = parts.materials.iter().position(|m| *m == grey);
+        let index = found.unwrap_or_else(|| {
+            parts.materials.push(grey);
+            parts.materials.len() - 1
+        });
+        Ok(index as u32)
+    }
+
+    fn point(&self, at: usize, what: &str, p: [f32; 3]) -> Result<Vec3> {
+        let p = Vec3::from_array(p);
+        if p.is_finite() { Ok(p) } else { Err(self.fail(at, format!("{what}: {p} is not finite"))) }
+    }
 }

@@ -27,7 +27,8 @@ fn body(options: &Options) -> Result<Body> {
             _ => (PI * v).sin_cos(),
         };
         let (sin, cos) = (TAU * u).sin_cos();
-        point(DVec3::new(s * cos, c, s * sin))
+        // Plus zero: no negative zeros at the poles.
+        point(DVec3::new(s * cos + 0.0, c, s * sin + 0.0))
     });
     // One triangle of each cell at a pole has two equal corners.
     let positions = &mesh.positions;

@@ -31,8 +31,7 @@ fn body(options: &Options) -> Result<Body> {
     Ok(Body { meshes: vec![mesh], spheres: Vec::new() })
 }
 
-/// The point of the knot at angle `t`, and two unit vectors across it, right-handed with the direction of growing `t`
-/// last but one: side x up points against it, so that the patch's front looks outwards.
+/// The point of the knot at angle `t`, and two unit vectors across it, turned so that the patch's front looks outwards.
 fn frame(t: f64) -> (DVec3, [DVec3; 2]) {
     let ((s2, c2), (s3, c3)) = ((2.0 * t).sin_cos(), (3.0 * t).sin_cos());
     let r = 2.0 + c3;

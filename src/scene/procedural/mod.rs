@@ -248,3 +248,138 @@ fn box_mesh(name: &str, corner: impl Fn(bool, bool, bool) -> DVec3) -> Mesh {
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     Mesh { name: name.into(), positions, triangles, ..Mesh::default() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn made(spec: &str) -> SceneParts {
+        parse(spec).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// Six times the volume that the mesh's outward triangles enclose.
+    fn volume6(mesh: &Mesh) -> f64 {
+        let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
+        mesh.triangles.iter().map(|&[a, b, c]| corner(a).dot(corner(b).cross(corner(c)))).sum()
+    }
+
+    /// Triangles whose front disagrees with a normal at a corner.
+    fn turned(mesh: &Mesh) -> usize {
+        let against = |t: &&[u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            let front = (b - a).cross(c - a);
+            t.iter().any(|&i| mesh.normals[i as usize].dot(front) <= 0.0)
+        };
+        mesh.triangles.iter().filter(against).count()
+    }
+
+    /// Edges that are not shared by exactly two triangles, once for each direction, by position.
+    fn open_edges(mesh: &Mesh) -> usize {
+        let key = |i: u32| mesh.positions[i as usize].to_array().map(f32::to_bits);
+        let mut edges = std::collections::HashMap::new();
+        for &[a, b, c] in &mesh.triangles {
+            for (p, q) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((key(p), key(q))).or_insert(0) += 1;
+                *edges.entry((key(q), key(p))).or_insert(0) -= 1;
+            }
+        }
+        edges.values().filter(|&&n| n != 0).count()
+    }
+
+    #[test]
+    fn every_entry_makes_a_valid_scene_that_is_lit() {
+        for entry in ENTRIES {
+            let parts = made(entry.name);
+            assert!(parts.meshes.len() + parts.spheres.len() > 0, "{}", entry.name);
+            let normals_fit = |m: &Mesh| m.normals.is_empty() || turned(m) == 0;
+            for mesh in &parts.meshes {
+                assert!(normals_fit(mesh), "{} `{}`: {} turned", entry.name, mesh.name, turned(mesh));
+            }
+            let scene = crate::scene::Scene::new(parts).unwrap_or_else(|e| panic!("{e}"));
+            assert!(scene.warnings.is_empty() && scene.notes.is_empty(), "{:?} {:?}", scene.warnings, scene.notes);
+        }
+    }
+
+    #[test]
+    fn seeds_repeat_and_differ() {
+        let place = |spec| made(spec).spheres[0].0.centre;
+        assert_eq!(place("random:n=10,seed=7"), place("random:seed=7,n=10"));
+        assert_ne!(place("random:n=10,seed=7"), place("random:n=10,seed=8"));
+        let inside = |&(s, _): &(Sphere, u32)| s.centre.abs().max_element() <= 5.0 && s.radius > 0.0;
+        assert!(made("random:n=500").spheres.iter().all(inside));
+    }
+
+    #[test]
+    fn sphereflake_has_the_original_sums() {
+        // SPD 3.14, `balls` at size factor 4: 7381 spheres; sums of x, y, z and r; top of the highest.
+        let spheres = made("flakes").spheres;
+        assert_eq!(spheres.len(), 7381);
+        let sum =
+            spheres.iter().fold(glam::DVec4::ZERO, |sum, (s, _)| sum + s.centre.as_dvec3().extend(f64::from(s.radius)));
+        for (ours, right) in [(sum.x, 0.0), (sum.y, 0.0), (sum.z, 1472.163), (sum.w, 60.5)] {
+            assert!((ours - right).abs() < 2e-3, "{sum}");
+        }
+        let top = spheres.iter().map(|(s, _)| s.centre.z + s.radius).fold(f32::MIN, f32::max);
+        assert!((top - 0.8306).abs() < 1e-4, "{top}");
+    }
+
+    #[test]
+    fn teapot_has_the_original_counts_and_height() {
+        for n in [1, 5, 12] {
+            let mesh = teapot::mesh(n);
+            assert_eq!(mesh.triangles.len() as u32, 64 * n * n - 8 * n);
+            let heights = mesh.positions.iter().map(|p| p.y);
+            assert_eq!(heights.clone().fold(f32::MAX, f32::min), 0.0);
+            assert_eq!(heights.fold(f32::MIN, f32::max), 3.15);
+        }
+        // The body alone is about a ball of radius 1.6 or so; inside out it would be negative.
+        assert!(volume6(&teapot::mesh(8)) / 6.0 > 10.0);
+    }
+
+    #[test]
+    fn closed_bodies_are_closed_and_turned_outwards() {
+        for spec in ["knot:n=64", "bumpy:n=24", "cubes:n=3", "cars:n=2"] {
+            let body = {
+                let (name, _) = spec.split_once(':').expect("an option");
+                let n = spec.rsplit('=').next().and_then(|n| n.parse().ok());
+                body(name, &Options { n, ..Options::default() }).expect("valid options")
+            };
+            for mesh in &body.meshes {
+                assert_eq!(open_edges(mesh), 0, "{spec} `{}`", mesh.name);
+                assert!(volume6(mesh) > 0.0, "{spec} `{}`", mesh.name);
+            }
+        }
+        // 27 cubes of edge 0.4.
+        let cubes = body("cubes", &Options { n: Some(3), ..Options::default() }).expect("valid options");
+        let volume: f64 = cubes.meshes.iter().map(volume6).sum::<f64>() / 6.0;
+        assert!((volume - 27.0 * 0.064).abs() < 1e-5, "{volume}");
+        assert_eq!(cubes.meshes.iter().map(|m| m.triangles.len()).sum::<usize>(), 27 * 12);
+    }
+
+    #[test]
+    fn counts_are_as_documented() {
+        let triangles = |spec| made(spec).meshes.iter().map(|m| m.triangles.len()).sum::<usize>();
+        assert_eq!(triangles("knot"), 256 * 256 / 4);
+        assert_eq!(triangles("bumpy"), 4 * 80 * 79);
+        assert_eq!(made("lanes:n=6").spheres.len(), 216);
+        assert_eq!(made("random").spheres.len(), 1000);
+        assert_eq!(triangles("cornell"), 6 * 2 + 2 * 12);
+    }
+
+    #[test]
+    fn mistakes_are_explained() {
+        for (spec, cause) in [
+            ("flake", "did you mean `flakes`"),
+            ("nothing-like-it", "random, lanes"),
+            ("random:n=0", "n=0 is not within 1"),
+            ("random:n=x", "`x` is no whole number"),
+            ("random:depth=3", "`random` takes n, seed"),
+            ("random:n", "key=value"),
+            ("cornell:n=3", "no options"),
+            ("flakes:depth=8", "depth=8 is not within 0 to 7"),
+        ] {
+            let message = parse(spec).expect_err(spec).to_string();
+            assert!(message.contains(cause) && message.contains(spec), "{spec}: {message}");
+        }
+    }
+}
