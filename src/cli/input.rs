@@ -1,9 +1,10 @@
 //! Arguments that several verbs share, and how they are read.
 
 use super::console::Console;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::registry;
 use crate::scene::{CameraSource, LoadOptions, Scene, load};
+use std::path::Path;
 
 /// The accelerator that verbs use unless told otherwise.
 pub const DEFAULT_ACCEL: &str = "grid";
@@ -64,6 +65,32 @@ pub fn note_camera(scene: &Scene, console: &Console) {
         console.note(format!(
             "no camera in the scene, framed: origin = {origin:?}, target = {target:?}, up = {up:?}, yfov = {yfov:?}"
         ));
+    }
+}
+
+/// Finds out before the work whether the picture `out` could be written after it.
+///
+/// # Errors
+/// The extension is no picture format, or the folder is missing.
+pub fn check_picture(out: &Path) -> Result<()> {
+    let extension = out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    if !["exr", "png", "pfm"].contains(&extension.as_str()) {
+        let cause = format!("extension `{extension}` is no picture format: .exr, .png or .pfm");
+        return Err(Error::malformed(out, cause));
+    }
+    check_folder(out)
+}
+
+/// Finds out whether the folder that the file `out` goes to exists.
+///
+/// # Errors
+/// It does not.
+pub fn check_folder(out: &Path) -> Result<()> {
+    let folder = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match std::fs::metadata(folder) {
+        Ok(meta) if meta.is_dir() => Ok(()),
+        Ok(_) => Err(Error::io(folder, std::io::ErrorKind::NotADirectory.into())),
+        Err(error) => Err(Error::io(folder, error)),
     }
 }
 

@@ -5,12 +5,15 @@
 
 mod compare;
 mod console;
+mod diff;
+mod export;
 mod info;
 mod input;
 mod list;
 mod render;
 mod table;
 mod trace;
+mod validate;
 
 use clap::{Parser, Subcommand};
 use console::Console;
@@ -47,6 +50,9 @@ enum Verb {
     Render(render::Args),
     Compare(compare::Args),
     Trace(trace::Args),
+    Validate(validate::Args),
+    Export(export::Args),
+    Diff(diff::Args),
 }
 
 /// How a verb ended that met no error.
@@ -75,6 +81,9 @@ pub fn main() -> ExitCode {
         Verb::Render(args) => render::run(&args, &console),
         Verb::Compare(args) => compare::run(&args, &console),
         Verb::Trace(args) => trace::run(&args, &console),
+        Verb::Validate(args) => validate::run(&args, &console),
+        Verb::Export(args) => export::run(&args, &console),
+        Verb::Diff(args) => diff::run(&args, &console),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

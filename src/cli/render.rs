@@ -2,12 +2,12 @@
 
 use super::Outcome;
 use super::console::Console;
-use super::input::{DEFAULT_ACCEL, SceneArgs, note_camera, parse_size};
+use super::input::{DEFAULT_ACCEL, SceneArgs, check_picture, note_camera, parse_size};
 use crate::error::{Error, Result};
 use crate::picture::io::{self, Attributes};
 use crate::render::{Crop, Integrator, Sampler, Settings, render};
 use crate::scene::Scene;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 const DETAILS: &str = "\
@@ -104,7 +104,7 @@ enum SamplerName {
 
 /// Renders and writes.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    check_output(&args.out)?;
+    check_picture(&args.out)?;
     let scene = args.scene.load(console)?;
     note_camera(&scene, console);
     let settings = settings(args, &scene)?;
@@ -125,20 +125,17 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let seconds = start.elapsed().as_secs_f64();
 
     io::write(&args.out, &film.picture(), &attributes(&args.scene.scene, &spec, &settings))?;
-    console.note(format!("{}: build {:.1} ms, render {seconds:.3} s", args.out.display(), build * 1e3));
-    Ok(Outcome::Done)
-}
-
-/// Finds out before the work whether the picture could be written after it.
-fn check_output(out: &Path) -> Result<()> {
-    let extension = out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    if !["exr", "png", "pfm"].contains(&extension.as_str()) {
-        let cause = format!("extension `{extension}` is no picture format: .exr, .png or .pfm");
-        return Err(Error::malformed(out, cause));
+    if film.stats.discarded > 0 {
+        console.warn(format!("{} samples were not finite and count as black", film.stats.discarded));
     }
-    let folder = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::metadata(folder).map_err(|error| Error::io(folder, error))?;
-    Ok(())
+    let rays = film.stats.rays() as f64 / 1e6;
+    console.note(format!(
+        "{}: build {:.1} ms, render {seconds:.3} s, {rays:.3} million rays, {:.2} Mrays/s",
+        args.out.display(),
+        build * 1e3,
+        rays / seconds
+    ));
+    Ok(Outcome::Done)
 }
 
 /// The command line, then the scene's wishes, then the defaults.
@@ -188,7 +185,7 @@ fn attributes(scene: &str, accel: &str, settings: &Settings) -> Attributes {
         Sampler::Sobol(n) => format!("sobol {n}"),
     };
     let mut attributes = Attributes::default()
-        .with("software", concat!("skipgrid ", env!("CARGO_PKG_VERSION")))
+        .with("renderer", concat!("skipgrid ", env!("CARGO_PKG_VERSION")))
         .with("scene", scene)
         .with("accelerator", accel)
         .with("integrator", format!("{:?}", settings.integrator).to_lowercase())

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::console::Console;
-use super::input::{DEFAULT_ACCEL, SceneArgs};
+use super::input::{DEFAULT_ACCEL, SceneArgs, check_folder};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::measure::npy;
@@ -49,6 +49,7 @@ pub struct Args {
 
 /// Traces.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    check_folder(&args.hits)?;
     let rays = read_rays(&args.rays)?;
     let scene = args.scene.load(console)?;
     let accel = scene.accel(&args.scene.spec(&args.accel))?;
