@@ -4,7 +4,7 @@ use super::{Bsdf, Camera, Light, Material, Scene, SceneGeometry, SceneParts};
 use crate::error::{Error, Result};
 use crate::geometry::{Mixed, Sphere, Triangle};
 use crate::ray::Aabb;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -12,21 +12,22 @@ use std::sync::Arc;
 const DEFAULT_ENVIRONMENT: f32 = 0.6;
 const DEFAULT_IRRADIANCE: f32 = 0.4 * PI;
 
-/// See [`Scene::new`].
-pub(super) fn assemble(mut parts: SceneParts) -> Result<Scene> {
+/// See [`Scene::new`]; `origin` is what messages call the scene: its file or its name.
+pub(super) fn assemble(mut parts: SceneParts, origin: &str) -> Result<Scene> {
     if parts.materials.is_empty() {
         parts.materials.push(Material::grey());
     }
-    check(&parts)?;
-    let mesh_offsets = mesh_offsets(&parts)?;
+    check(&parts, origin)?;
+    fill_texture_coordinates(&mut parts);
+    let mesh_offsets = mesh_offsets(&parts, origin)?;
     let triangles = triangles(&parts, mesh_offsets.last().copied().unwrap_or(0))?;
     let (spheres, sphere_materials): (Vec<Sphere>, Vec<u32>) = parts.spheres.iter().copied().unzip();
     let bounds = bounds(&triangles, &spheres);
     if triangles.is_empty() && spheres.is_empty() {
-        parts.warnings.push(format!("{}: the scene has no primitive", parts.name));
+        parts.warnings.push(format!("{origin}: the scene has no primitive"));
     }
     let camera = parts.camera.unwrap_or_else(|| Camera::framed(&bounds));
-    light_up(&mut parts, &camera);
+    light_up(&mut parts, &camera, origin);
     let geometry = match (triangles.is_empty(), spheres.is_empty()) {
         (_, true) => SceneGeometry::Triangles(Arc::new(triangles)),
         (true, false) => SceneGeometry::Spheres(Arc::new(spheres.clone())),
@@ -51,8 +52,8 @@ pub(super) fn assemble(mut parts: SceneParts) -> Result<Scene> {
 }
 
 /// References, counts and finiteness of everything but the primitives' coordinates.
-fn check(parts: &SceneParts) -> Result<()> {
-    let fail = |cause: String| Err(Error::invalid(format!("{}: {cause}", parts.name)));
+fn check(parts: &SceneParts, origin: &str) -> Result<()> {
+    let fail = |cause: String| Err(Error::invalid(format!("{origin}: {cause}")));
     let materials = parts.materials.len();
     for (i, mesh) in parts.meshes.iter().enumerate() {
         let place = || format!("mesh {i} `{}`", mesh.name);
@@ -102,7 +103,17 @@ fn check(parts: &SceneParts) -> Result<()> {
     Ok(())
 }
 
-fn mesh_offsets(parts: &SceneParts) -> Result<Vec<u32>> {
+/// Gives (0, 0) to the vertices of textured meshes without coordinates: other renderers would make up their own.
+fn fill_texture_coordinates(parts: &mut SceneParts) {
+    for mesh in parts.meshes.iter_mut().filter(|m| m.uvs.is_empty()) {
+        let bsdf = &parts.materials[mesh.material as usize].bsdf;
+        if matches!(bsdf, Bsdf::Lambert { texture: Some(_), .. }) {
+            mesh.uvs = vec![Vec2::ZERO; mesh.positions.len()];
+        }
+    }
+}
+
+fn mesh_offsets(parts: &SceneParts, origin: &str) -> Result<Vec<u32>> {
     let mut offsets = vec![0];
     let mut total = 0_u64;
     for mesh in &parts.meshes {
@@ -112,7 +123,7 @@ fn mesh_offsets(parts: &SceneParts) -> Result<Vec<u32>> {
     total += parts.spheres.len() as u64;
     // The last index is kept free for "no primitive".
     if total > u64::from(u32::MAX) - 1 {
-        let cause = format!("{}: {total} primitives, at most {} are possible", parts.name, u32::MAX - 1);
+        let cause = format!("{origin}: {total} primitives, at most {} are possible", u32::MAX - 1);
         return Err(Error::invalid(cause));
     }
     Ok(offsets)
@@ -140,7 +151,7 @@ fn bounds(triangles: &[Triangle], spheres: &[Sphere]) -> Aabb {
 }
 
 /// Adds the default light if nothing emits any.
-fn light_up(parts: &mut SceneParts, camera: &Camera) {
+fn light_up(parts: &mut SceneParts, camera: &Camera, origin: &str) {
     let emits = |material: u32| parts.materials[material as usize].emission != Vec3::ZERO;
     let lit = !parts.lights.is_empty()
         || parts.environment != Vec3::ZERO
@@ -154,8 +165,7 @@ fn light_up(parts: &mut SceneParts, camera: &Camera) {
     parts.environment = Vec3::splat(DEFAULT_ENVIRONMENT);
     parts.lights.push(Light::Directional { direction, irradiance: Vec3::splat(DEFAULT_IRRADIANCE) });
     parts.notes.push(format!(
-        "{}: no light in the scene: added a constant environment of {DEFAULT_ENVIRONMENT} and a directional light of \
-         {DEFAULT_IRRADIANCE:.3} W/m^2 from behind the camera",
-        parts.name
+        "{origin}: no light in the scene: added a constant environment of {DEFAULT_ENVIRONMENT} and a directional light of \
+         {DEFAULT_IRRADIANCE:.3} W/m^2 from behind the camera"
     ));
 }

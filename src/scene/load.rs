@@ -1,5 +1,6 @@
 //! Picks the loader by name and extension, and refuses or drops what is not finite.
 
+use super::assemble::assemble;
 use super::{Mesh, Scene, SceneParts, file, procedural, raw};
 use crate::error::{Error, Result};
 use glam::{Vec2, Vec3};
@@ -34,7 +35,7 @@ pub fn load(spec: &str, options: &LoadOptions) -> Result<Scene> {
         Some("obj" | "gltf" | "glb") => read_mesh_file(path, options)?,
         _ => procedural::parse(spec)?,
     };
-    Scene::new(parts)
+    assemble(parts, spec)
 }
 
 /// Reads a .gltf, .glb or .obj file; every coordinate that is left is finite.
@@ -44,7 +45,7 @@ pub(super) fn read_mesh_file(path: &Path, options: &LoadOptions) -> Result<Scene
         #[cfg(feature = "gltf")]
         Some("gltf" | "glb") => super::gltf::read(path, options)?,
         #[cfg(feature = "obj")]
-        Some("obj") => super::obj::read(path)?,
+        Some("obj") => super::obj::read(path, options)?,
         _ => return Err(Error::malformed(path, "not a kind of mesh file that is read (.gltf, .glb, .obj)")),
     };
     make_finite(&mut parts, path, options)?;

@@ -170,7 +170,8 @@ impl Scene {
     /// coordinates differ in number from the positions; a texture's size differs from its texels; a light or the camera
     /// is not finite; more than 2^32 - 2 primitives, or more than memory holds.
     pub fn new(parts: SceneParts) -> Result<Scene> {
-        assemble::assemble(parts)
+        let origin = parts.name.clone();
+        assemble::assemble(parts, &origin)
     }
 
     /// Number of triangles; spheres come after them.
