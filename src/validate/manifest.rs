@@ -55,7 +55,8 @@ pub struct PovRay {
     pub seconds: f64,
     /// SHA-256 of the decoded pixels, see [`super::sha256::of_pixels`].
     pub sha256: String,
-    /// Share (0 to 1) of pixels beyond 1 % between this picture and a faultless renderer with f32 rays.
+    /// Share (0 to 1) of pixels beyond 1 % between this picture and a faultless renderer with f32 rays; 0 if absent.
+    #[serde(default)]
     pub out1_floor: f64,
     /// Allowed [`crate::picture::tiles::DeterministicVerdict::trim`], if not the usual one.
     pub trim: Option<f64>,
