@@ -1,5 +1,6 @@
 //! Pictures: linear RGB in f32, files, metrics and statistical comparison.
 
+pub mod falsecolour;
 pub mod flip;
 pub mod io;
 pub mod metrics;
