@@ -4,6 +4,7 @@ mod conformance;
 mod export;
 mod malformed;
 mod pictures;
+mod random;
 mod render;
 mod scenes;
 mod tidy;
