@@ -107,6 +107,33 @@ impl Cell {
     }
 }
 
+/// The part of `t_min..=t_max` over which `origin + t * direction` lies between the planes of a box, or `None`.
+///
+/// A zero component is a test of the origin, never a product with infinity. The result is exact up to the rounding of f64,
+/// so callers pad their boxes. `direction` is not zero; the box is bounded, so the result is finite.
+#[inline]
+pub(crate) fn clip(
+    origin: DVec3,
+    direction: DVec3,
+    (min, max): (DVec3, DVec3),
+    (t_min, t_max): (f64, f64),
+) -> Option<(f64, f64)> {
+    let (mut enter, mut leave) = (t_min, t_max);
+    for axis in 0..3 {
+        let (o, d) = (origin[axis], direction[axis]);
+        if d == 0.0 {
+            if o < min[axis] || o > max[axis] {
+                return None;
+            }
+        } else {
+            let (a, b) = ((min[axis] - o) / d, (max[axis] - o) / d);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+    }
+    (enter <= leave).then_some((enter, leave))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

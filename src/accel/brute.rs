@@ -22,25 +22,37 @@ impl<G: Geometry> BruteForce<G> {
 
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let ray = ray.intake()?;
-        let prep = self.geometry.prepare(&ray);
-        let mut best = Best::NONE;
-        for prim in 0..self.geometry.len() {
-            probe.test();
-            self.geometry.test(prim, &ray, &prep, &mut best);
-        }
+        let best = scan_all(&self.geometry, &ray, probe);
         best.prim().map(|prim| Hit { t: self.geometry.round(&ray, &best), prim })
     }
 
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         let Some(ray) = ray.intake() else { return false };
-        let prep = self.geometry.prepare(&ray);
-        let mut best = Best::NONE;
-        (0..self.geometry.len()).any(|prim| {
-            probe.test();
-            self.geometry.test(prim, &ray, &prep, &mut best);
-            best.is_hit()
-        })
+        scan_any(&self.geometry, &ray, probe)
     }
+}
+
+/// The closest of all primitives; where other structures end up when a ray starts too far away for their arithmetic.
+/// `ray` comes from [`Ray::intake`].
+pub(crate) fn scan_all<G: Geometry, P: Probe>(geometry: &G, ray: &Ray, probe: &mut P) -> Best {
+    let prep = geometry.prepare(ray);
+    let mut best = Best::NONE;
+    for prim in 0..geometry.len() {
+        probe.test();
+        geometry.test(prim, ray, &prep, &mut best);
+    }
+    best
+}
+
+/// True if the ray meets any of all primitives.
+pub(crate) fn scan_any<G: Geometry, P: Probe>(geometry: &G, ray: &Ray, probe: &mut P) -> bool {
+    let prep = geometry.prepare(ray);
+    let mut best = Best::NONE;
+    (0..geometry.len()).any(|prim| {
+        probe.test();
+        geometry.test(prim, ray, &prep, &mut best);
+        best.is_hit()
+    })
 }
 
 impl<G: Geometry> Accel for BruteForce<G> {

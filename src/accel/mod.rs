@@ -4,6 +4,7 @@ mod brute;
 mod probe;
 
 pub use brute::BruteForce;
+pub(crate) use brute::{scan_all, scan_any};
 pub use probe::{Counts, Probe};
 
 use crate::ray::{Aabb, Ray};
@@ -43,6 +44,11 @@ pub trait Accel: Send + Sync {
 
     /// Bytes held beside the geometry itself.
     fn memory(&self) -> Memory;
+
+    /// What was built, in a line for people: resolution, share of empty cells, what was left out. May be empty.
+    fn describe(&self) -> String {
+        String::new()
+    }
 }
 
 /// Bytes that an accelerator holds beside the geometry, by purpose.
@@ -76,6 +82,7 @@ macro_rules! forward_accel {
             }
             fn bounds(&self) -> Aabb { (**self).bounds() }
             fn memory(&self) -> Memory { (**self).memory() }
+            fn describe(&self) -> String { (**self).describe() }
         }
     )*};
 }

@@ -4,10 +4,15 @@
 //! exact arithmetic: the least `t` wins, and at equal `t` the least index.
 
 mod exact;
+mod expansion;
+mod indexed;
 mod mixed;
 mod sphere;
+#[cfg(test)]
+mod tests;
 mod triangle;
 
+pub use indexed::IndexedTriangles;
 pub use mixed::Mixed;
 pub use sphere::{Sphere, SpherePrep};
 pub use triangle::{Triangle, TrianglePrep};

@@ -5,6 +5,7 @@ mod export;
 mod malformed;
 mod mesh_files;
 mod pictures;
+mod random;
 mod render;
 mod scenes;
 mod tidy;

@@ -1,1 +1,110 @@
-//! Brute force against the exact records of the stiff catalogue.
+//! Every accelerator against the exact records of the stiff catalogue.
+//!
+//! The records are an archive beside the project, `shared/spec/stability-truth.tar.zst`, or a folder of its files named
+//! by `SKIPGRID_TRUTH`. Without either the test says so and passes.
+
+use skipgrid::scene::raw;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// Half a unit in the last place of the f32 nearest to `t`.
+fn half_ulp(t: f64) -> f64 {
+    let near = (t.abs() as f32).min(f32::MAX);
+    (f64::from(near.next_up().min(f32::MAX)) - f64::from(near)).max(f64::from(near) - f64::from(near.next_down())) / 2.0
+}
+
+/// The folder of the records, unpacked once; `None` with a message if they are not at hand.
+fn folder() -> Option<&'static Path> {
+    static FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
+    FOLDER
+        .get_or_init(|| {
+            if let Some(folder) = std::env::var_os("SKIPGRID_TRUTH") {
+                return Some(folder.into());
+            }
+            let shared = std::env::var_os("SKIPGRID_SHARED")
+                .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+            let archive = shared.join("spec/stability-truth.tar.zst");
+            if !archive.is_file() {
+                eprintln!("skipped: no {}", archive.display());
+                return None;
+            }
+            let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("truth");
+            std::fs::create_dir_all(&folder).expect("the folder for temporary files can be written");
+            let status = Command::new("tar").arg("--zstd").arg("-xf").arg(&archive).arg("-C").arg(&folder).status();
+            match status {
+                Ok(status) if status.success() => Some(folder),
+                other => {
+                    eprintln!("skipped: `tar --zstd` could not unpack {}: {other:?}", archive.display());
+                    None
+                }
+            }
+        })
+        .as_deref()
+}
+
+/// Every record of the catalogue against the accelerator that `spec` names: the hit, the primitive and the parameter.
+pub fn check(spec: &str) {
+    let Some(folder) = folder() else { return };
+    let mut cases: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("the folder of records can be read")
+        .map(|entry| entry.expect("an entry of the folder can be read").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "truth"))
+        .collect();
+    cases.sort();
+    assert!(!cases.is_empty(), "no record in {}", folder.display());
+    for case in cases {
+        check_case(spec, &case);
+    }
+}
+
+fn check_case(spec: &str, case: &Path) {
+    let name = case.file_stem().expect("a file has a name").to_string_lossy();
+    let truth = raw::read_truth(case).expect("records are well-formed");
+    let rays = raw::read_rays(case.with_extension("rays")).expect("rays are well-formed");
+    let triangles = raw::read_triangles(case.with_extension("tri")).expect("triangles are well-formed");
+    assert_eq!(truth.answers.len(), rays.len(), "{name}");
+    let accel = skipgrid::registry::build(spec, &triangles).expect("the accelerator can be built");
+    let (mut hits, mut ties, mut worst) = (0, 0, 0.0f64);
+    for (i, (ray, answer)) in rays.iter().zip(&truth.answers).enumerate() {
+        let place = || {
+            let bits = [ray.origin.to_array(), ray.direction.to_array()].map(|v| v.map(f32::to_bits));
+            let range = [ray.t_min, ray.t_max].map(f32::to_bits);
+            format!("{spec}: {name}, ray {i}: {ray:?}, bits {bits:08x?} {range:08x?}, exact {answer:?}")
+        };
+        let found = accel.closest_hit(ray);
+        assert_eq!(found.is_some(), answer.hit, "{}", place());
+        assert_eq!(accel.any_hit(ray), answer.hit, "any hit: {}", place());
+        let Some(found) = found else { continue };
+        hits += 1;
+        ties += usize::from(answer.prims.len() > 1);
+        assert_eq!(Some(&found.prim), answer.prims.iter().min(), "{}", place());
+        if answer.t.abs() >= f64::from(f32::MAX) {
+            assert_eq!(found.t, answer.t as f32, "{}", place());
+            continue;
+        }
+        // The recorded parameter is itself rounded, to f64.
+        let error = (f64::from(found.t) - answer.t).abs() / (2.0 * half_ulp(answer.t));
+        worst = worst.max(error);
+        assert!(error <= 0.5 + 1e-8, "{error} ulp at {}: {}", found.t, place());
+    }
+    println!("{spec:12} {name:24} {:5} rays {hits:5} hits {ties:5} ties, t within {worst:.3} ulp", rays.len());
+}
+
+#[test]
+fn brute_force_answers_exactly() {
+    check("brute");
+}
+
+#[test]
+fn grids_answer_exactly() {
+    check("grid");
+    check("grid:density=20,mailbox=on");
+}
+
+#[cfg(feature = "obvhs")]
+#[test]
+fn obvhs_with_the_exact_test_answers_exactly() {
+    check("obvhs-bvh2");
+    check("obvhs-cwbvh");
+}

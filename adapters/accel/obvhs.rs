@@ -1,0 +1,327 @@
+//! The BVHs of the crate obvhs 0.4: `Bvh2` and the eight-wide compressed `CwBvh` (Ylitie et al. 2017).
+//!
+//! obvhs decides boxes only; in the leaves runs the same exact test as everywhere. Its f32 box test is made safe from
+//! outside, so that it cannot lose what the exact test would find:
+//!
+//! - **Frame.** Boxes and rays are handed over in a frame whose centre is the scene's and whose scale is a power of two, so
+//!   that coordinates lie in -0.5..=0.5 whatever the scene's size (obvhs loses all of a scene at 1e-12 and panics at 1e20).
+//! - **Rays** start near the scene's box, found in f64, and have a largest component of 1; negative zeros are gone. They start
+//!   a bit before the box, since `CwBvh` drops boxes that end before its own epsilon.
+//! - **Padding.** With coordinates below 0.75 and u = 2^-24, the ray handed over is off by at most 3u, the f32 box test and
+//!   the quantised boxes by some 12u, and the clamp of inverse directions at 2^23 by 4u: together below 2^-19. Boxes are
+//!   padded by [`PADDING`] = 2^-17, and the best parameter handed back is raised by as much.
+//! - Primitives that no ray can hit, which make obvhs panic when they are not finite, are not handed over.
+//! - A ray that starts so far away that f64 cannot find the entry to within 2^-22 is tested against every primitive.
+
+use crate::accel::{Accel, Counts, Hit, Memory, Probe, scan_all, scan_any};
+use crate::error::Result;
+use crate::geometry::{Best, Geometry};
+use crate::ray::{Aabb, Ray, clip};
+use glam::{DVec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh;
+use obvhs::ray::RayHit;
+use std::time::Duration;
+
+/// Boxes reach this far beyond their primitives, in units of the frame.
+const PADDING: f64 = 1.0 / 131_072.0;
+
+/// Rays start this far before the scene's box, in units of the frame.
+const RUN_UP: f64 = 1.0 / 16.0;
+
+/// obvhs' own settings, from the fastest build to the fastest traversal.
+///
+/// `slow` and `very_slow` would also split large triangles, which obvhs does only for its own triangles: here they differ in
+/// search and reinsertion alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preset {
+    /// `BvhBuildParams::fastest_build`
+    Fastest,
+    /// `BvhBuildParams::very_fast_build`
+    VeryFast,
+    /// `BvhBuildParams::fast_build`
+    Fast,
+    /// `BvhBuildParams::medium_build`
+    #[default]
+    Medium,
+    /// `BvhBuildParams::slow_build`
+    Slow,
+    /// `BvhBuildParams::very_slow_build`
+    VerySlow,
+}
+
+impl Preset {
+    /// Names as in specifications, in the order of the variants.
+    pub const NAMES: [(&'static str, Preset); 6] = [
+        ("fastest", Preset::Fastest),
+        ("very_fast", Preset::VeryFast),
+        ("fast", Preset::Fast),
+        ("medium", Preset::Medium),
+        ("slow", Preset::Slow),
+        ("very_slow", Preset::VerySlow),
+    ];
+
+    fn params(self) -> BvhBuildParams {
+        match self {
+            Preset::Fastest => BvhBuildParams::fastest_build(),
+            Preset::VeryFast => BvhBuildParams::very_fast_build(),
+            Preset::Fast => BvhBuildParams::fast_build(),
+            Preset::Medium => BvhBuildParams::medium_build(),
+            Preset::Slow => BvhBuildParams::slow_build(),
+            Preset::VerySlow => BvhBuildParams::very_slow_build(),
+        }
+    }
+}
+
+/// One of obvhs' two trees, as far as this adapter needs it.
+trait Tree: Send + Sync + Sized {
+    fn build(boxes: &[obvhs::aabb::Aabb], params: BvhBuildParams) -> Self;
+    /// Calls `leaf` with the position in the leaf order of each candidate; it returns the new end of the ray or `inf`.
+    fn closest(&self, ray: obvhs::ray::Ray, leaf: impl FnMut(usize) -> f32);
+    /// As `closest`, and ends when `leaf` returns something before the end of the ray; true if it did.
+    fn any(&self, ray: obvhs::ray::Ray, leaf: impl FnMut(usize) -> f32) -> bool;
+    fn order(&self) -> &[u32];
+    fn node_bytes(&self) -> usize;
+}
+
+impl Tree for Bvh2 {
+    fn build(boxes: &[obvhs::aabb::Aabb], params: BvhBuildParams) -> Self {
+        build_bvh2(boxes, params, &mut Duration::default())
+    }
+    #[inline]
+    fn closest(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) {
+        self.ray_traverse(ray, &mut RayHit::none(), |_, id| leaf(id));
+    }
+    #[inline]
+    fn any(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) -> bool {
+        !self.ray_traverse_miss(ray, |_, id| leaf(id))
+    }
+    fn order(&self) -> &[u32] {
+        &self.primitive_indices
+    }
+    fn node_bytes(&self) -> usize {
+        std::mem::size_of_val(self.nodes.as_slice())
+    }
+}
+
+impl Tree for CwBvh {
+    fn build(boxes: &[obvhs::aabb::Aabb], params: BvhBuildParams) -> Self {
+        build_cwbvh(boxes, params, &mut Duration::default())
+    }
+    #[inline]
+    fn closest(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) {
+        self.ray_traverse(ray, &mut RayHit::none(), |_, id| leaf(id));
+    }
+    #[inline]
+    fn any(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) -> bool {
+        !self.ray_traverse_miss(ray, |_, id| leaf(id))
+    }
+    fn order(&self) -> &[u32] {
+        &self.primitive_indices
+    }
+    fn node_bytes(&self) -> usize {
+        std::mem::size_of_val(self.nodes.as_slice())
+    }
+}
+
+/// Builds obvhs' two-wide BVH over `geometry`.
+///
+/// # Errors
+/// None at present; the signature leaves room for a memory budget.
+pub fn bvh2<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> Result<impl Accel + 'a> {
+    Ok(Bvh::<G, Bvh2>::build(geometry, preset))
+}
+
+/// Builds obvhs' eight-wide compressed BVH over `geometry`.
+///
+/// # Errors
+/// As [`bvh2`].
+pub fn cwbvh<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> Result<impl Accel + 'a> {
+    Ok(Bvh::<G, CwBvh>::build(geometry, preset))
+}
+
+/// A tree over the primitives that can be hit.
+struct Bvh<G, T> {
+    geometry: G,
+    /// `None` if no primitive can be hit.
+    tree: Option<T>,
+    /// Primitive of each position in the tree's leaf order.
+    prims: Vec<u32>,
+    frame: Frame,
+    bounds: Aabb,
+    preset: Preset,
+}
+
+/// World to frame: `(world - centre) * scale`, with a power of two as scale.
+struct Frame {
+    centre: DVec3,
+    scale: f64,
+    /// Half the edge lengths of the scene's padded box.
+    half: DVec3,
+}
+
+impl Frame {
+    fn new(bounds: &Aabb) -> Self {
+        if bounds.is_empty() {
+            return Self { centre: DVec3::ZERO, scale: 1.0, half: DVec3::ZERO };
+        }
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        // A point has no extent: any scale below the least distance of f32 will do.
+        let extent = (max - min).max_element().max(1e-60);
+        // The largest extent becomes 0.5..1.
+        let scale = 2.0_f64.powi(-(extent.log2().floor() as i32) - 1);
+        Self { centre: (min + max) * 0.5, scale, half: (max - min) * 0.5 * scale + PADDING }
+    }
+
+    fn local(&self, world: DVec3) -> DVec3 {
+        (world - self.centre) * self.scale
+    }
+
+    fn local_box(&self, aabb: &Aabb) -> obvhs::aabb::Aabb {
+        let (min, max) = (self.local(aabb.min.as_dvec3()) - PADDING, self.local(aabb.max.as_dvec3()) + PADDING);
+        obvhs::aabb::Aabb { min: min.as_vec3a(), max: max.as_vec3a() }
+    }
+
+    /// The ray in the frame, or why it has none.
+    #[inline]
+    fn local_ray(&self, ray: &Ray) -> Entry {
+        let origin = self.local(ray.origin.as_dvec3());
+        // 2^-52 |o| is the rounding of the entry point.
+        if origin.abs().max_element() > f64::from(1 << 30) {
+            return Entry::TooFar;
+        }
+        let direction = ray.direction.as_dvec3();
+        let speed = direction.abs().max_element() * self.scale;
+        let direction = direction * self.scale;
+        let range = (f64::from(ray.t_min), f64::from(ray.t_max));
+        let Some((enter, leave)) = clip(origin, direction, (-self.half, self.half), range) else { return Entry::Miss };
+        let start = enter - RUN_UP / speed;
+        let local = obvhs::ray::Ray::new(
+            vec3a(origin + start * direction),
+            vec3a(direction / speed),
+            0.0,
+            raised((leave - start) * speed),
+        );
+        Entry::Inside { local, start, speed }
+    }
+}
+
+/// f64 to f32 with +0.0 for -0.0, which obvhs' tests do not treat alike.
+fn vec3a(v: DVec3) -> Vec3A {
+    v.as_vec3a() + Vec3A::ZERO
+}
+
+/// A parameter of the frame, raised by more than all errors of the box test.
+#[inline]
+fn raised(t: f64) -> f32 {
+    (t + PADDING) as f32
+}
+
+/// How a ray meets the scene's box.
+enum Entry {
+    Miss,
+    TooFar,
+    /// The parameter `t` of the ray is `(t - start) * speed` in the frame.
+    Inside {
+        local: obvhs::ray::Ray,
+        start: f64,
+        speed: f64,
+    },
+}
+
+impl<G: Geometry, T: Tree> Bvh<G, T> {
+    fn build(geometry: G, preset: Preset) -> Self {
+        let all = (0..geometry.len()).map(|prim| (prim, geometry.bounds(prim)));
+        let (kept, boxes): (Vec<u32>, Vec<Aabb>) = all.filter(|(_, b)| !b.is_empty()).unzip();
+        let bounds = boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b));
+        let frame = Frame::new(&bounds);
+        let boxes: Vec<_> = boxes.iter().map(|b| frame.local_box(b)).collect();
+        let tree = (!boxes.is_empty()).then(|| T::build(&boxes, preset.params()));
+        let prims = tree.iter().flat_map(|t| t.order()).map(|&i| kept[i as usize]).collect();
+        Self { geometry, tree, prims, frame, bounds, preset }
+    }
+
+    #[inline]
+    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let (ray, tree) = (ray.intake()?, self.tree.as_ref()?);
+        let best = match self.frame.local_ray(&ray) {
+            Entry::Miss => return None,
+            Entry::TooFar => scan_all(&self.geometry, &ray, probe),
+            Entry::Inside { local, start, speed } => {
+                let prep = self.geometry.prepare(&ray);
+                let mut best = Best::NONE;
+                tree.closest(local, |id| {
+                    probe.test();
+                    let before = best.prim();
+                    self.geometry.test(self.prims[id], &ray, &prep, &mut best);
+                    if best.prim() == before { f32::INFINITY } else { raised((best.upper() - start) * speed) }
+                });
+                best
+            }
+        };
+        best.prim().map(|prim| Hit { t: self.geometry.round(&ray, &best), prim })
+    }
+
+    #[inline]
+    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        let (Some(ray), Some(tree)) = (ray.intake(), self.tree.as_ref()) else { return false };
+        match self.frame.local_ray(&ray) {
+            Entry::Miss => false,
+            Entry::TooFar => scan_any(&self.geometry, &ray, probe),
+            Entry::Inside { local, .. } => {
+                let prep = self.geometry.prepare(&ray);
+                let mut best = Best::NONE;
+                tree.any(local, |id| {
+                    probe.test();
+                    self.geometry.test(self.prims[id], &ray, &prep, &mut best);
+                    if best.is_hit() { 0.0 } else { f32::INFINITY }
+                })
+            }
+        }
+    }
+}
+
+impl<G: Geometry, T: Tree> Accel for Bvh<G, T> {
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, &mut ())
+    }
+
+    fn any_hit(&self, ray: &Ray) -> bool {
+        self.any(ray, &mut ())
+    }
+
+    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
+        counts.rays += 1;
+        self.closest(ray, counts)
+    }
+
+    fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
+        counts.rays += 1;
+        self.any(ray, counts)
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn memory(&self) -> Memory {
+        let tree = self.tree.as_ref();
+        Memory {
+            structure: tree.map_or(0, |t| t.node_bytes() as u64),
+            // obvhs' own order is kept beside ours.
+            references: 4 * (self.prims.len() + tree.map_or(0, |t| t.order().len())) as u64,
+            tables: 0,
+        }
+    }
+
+    fn describe(&self) -> String {
+        let preset = Preset::NAMES.iter().find(|(_, p)| *p == self.preset).map_or("", |(name, _)| name);
+        let ignored = self.geometry.len() as usize - self.prims.len();
+        let left_out =
+            if ignored > 0 { format!(", {ignored} primitives that no ray can hit left out") } else { String::new() };
+        format!("preset {preset}, nodes visited are not counted{left_out}")
+    }
+}

@@ -1,0 +1,85 @@
+//! Building a grid: a pass that counts references, then one that writes them.
+
+use super::Grid;
+use super::cells::Cells;
+use super::frame::Frame;
+use super::options::GridOptions;
+use super::voxelise::voxels_of;
+use crate::error::{Error, Result};
+use crate::geometry::Geometry;
+use crate::ray::Aabb;
+
+impl<G: Geometry> Grid<G> {
+    /// Builds a grid over `geometry`. Primitives that no ray can hit are left out; an empty geometry is fine.
+    ///
+    /// # Errors
+    /// An option is out of range, or voxels and references would take more than `options.memory` bytes.
+    pub fn build(geometry: G, options: &GridOptions) -> Result<Self> {
+        options.check()?;
+        let (mut bounds, mut count) = (Aabb::EMPTY, 0);
+        for prim in 0..geometry.len() {
+            let b = geometry.bounds(prim);
+            if !b.is_empty() {
+                bounds = bounds.union(&b);
+                count += 1;
+            }
+        }
+        let frame = Frame::new(&bounds, count, options);
+        let cells = fill(&geometry, &frame, options)?;
+        let ignored = geometry.len() - count;
+        Ok(Self { geometry, frame, cells, bounds, mailbox: options.mailbox, ignored })
+    }
+}
+
+fn fill<G: Geometry>(geometry: &G, frame: &Frame, options: &GridOptions) -> Result<Cells> {
+    let [x, y, z] = frame.resolution;
+    // At most 4096^3: no overflow in u64.
+    let voxels = u64::from(x) * u64::from(y) * u64::from(z);
+    let what = |references: u64| format!("grid of {x} x {y} x {z} voxels with {references} references");
+    let within_budget = |references: u64| {
+        let wanted = (voxels + 1 + references) * 4;
+        let allowed = options.memory.min((u64::from(u32::MAX)) * 4);
+        if wanted > allowed { Err(Error::TooLarge { what: what(references), wanted, allowed }) } else { Ok(()) }
+    };
+    within_budget(0)?;
+    let mut start = reserve(voxels as usize + 1, &what(0), options)?;
+    start.resize(voxels as usize + 1, 0_u32);
+
+    // First pass: start[v + 1] counts the references of voxel v. No count can wrap: a voxel refers to a primitive once.
+    let mut references = 0_u64;
+    for prim in 0..geometry.len() {
+        voxels_of(geometry, prim, frame, &mut |v| {
+            start[v + 1] += 1;
+            references += 1;
+        });
+        // Asked for each primitive, so that a hopeless grid is refused before it is counted to the end.
+        within_budget(references)?;
+    }
+    for v in 1..start.len() {
+        start[v] += start[v - 1];
+    }
+
+    // Second pass: start[v] runs from the begin of list v to its end, which is the begin of list v + 1.
+    let mut prims = reserve(references as usize, &what(references), options)?;
+    prims.resize(references as usize, 0_u32);
+    for prim in 0..geometry.len() {
+        voxels_of(geometry, prim, frame, &mut |v| {
+            prims[start[v] as usize] = prim;
+            start[v] += 1;
+        });
+    }
+    start.rotate_right(1);
+    start[0] = 0;
+    Ok(Cells::new(start, prims))
+}
+
+/// An empty vector with room for `len` entries, or an error instead of an abort.
+fn reserve(len: usize, what: &str, options: &GridOptions) -> Result<Vec<u32>> {
+    let mut vec = Vec::new();
+    vec.try_reserve_exact(len).map_err(|_| Error::TooLarge {
+        what: format!("{what} (the system refuses the memory)"),
+        wanted: len as u64 * 4,
+        allowed: options.memory,
+    })?;
+    Ok(vec)
+}

@@ -1,0 +1,162 @@
+//! Which voxels a primitive overlaps.
+//!
+//! A triangle is rasterised by clipping: it is cut into slabs along one axis, each slab into columns along a second, and the
+//! extent of what is left gives the voxels along the third. The work is proportional to the columns that the triangle
+//! really meets, not to its bounding box, and the result is exact up to the padding: a voxel is in exactly if the triangle
+//! meets the voxel inflated by [`PADDING`]. Other primitives are asked voxel by voxel.
+
+use super::frame::{Frame, PADDING};
+use crate::geometry::{Geometry, Triangle};
+use crate::ray::Cell;
+use glam::DVec3;
+
+/// Calls `visit` with the index of every voxel that `prim` overlaps, each once. Nothing if no ray can hit it.
+pub(super) fn voxels_of<G: Geometry>(geometry: &G, prim: u32, frame: &Frame, visit: &mut impl FnMut(usize)) {
+    let bounds = geometry.bounds(prim);
+    if bounds.is_empty() {
+        return;
+    }
+    let min = voxel(frame, frame.local(bounds.min.as_dvec3()) - PADDING);
+    let max = voxel(frame, frame.local(bounds.max.as_dvec3()) + PADDING);
+    let long_axes = (0..3).filter(|&a| min[a] < max[a]).count();
+    match geometry.triangle(prim) {
+        // Within one row of voxels, a connected primitive is in all of them.
+        Some(_) if long_axes <= 1 => each(min, max, |v| visit(frame.index(v))),
+        Some(triangle) => rasterise(frame, &triangle, (min, max), visit),
+        None => each(min, max, |v| {
+            if geometry.overlaps(prim, &cell(frame, v)) {
+                visit(frame.index(v));
+            }
+        }),
+    }
+}
+
+/// The voxel that contains a point in voxel coordinates; the nearest one if it lies outside.
+fn voxel(frame: &Frame, p: DVec3) -> [u32; 3] {
+    // `as` saturates at 0.
+    [0, 1, 2].map(|a| (p[a] as u32).min(frame.resolution[a] - 1))
+}
+
+fn each(min: [u32; 3], max: [u32; 3], mut visit: impl FnMut([u32; 3])) {
+    for z in min[2]..=max[2] {
+        for y in min[1]..=max[1] {
+            for x in min[0]..=max[0] {
+                visit([x, y, z]);
+            }
+        }
+    }
+}
+
+/// The inflated voxel in world coordinates.
+fn cell(frame: &Frame, v: [u32; 3]) -> Cell {
+    let v = DVec3::from(v.map(f64::from));
+    Cell { min: frame.lo + (v - PADDING) / frame.inverse, max: frame.lo + (v + 1.0 + PADDING) / frame.inverse }
+}
+
+fn rasterise(frame: &Frame, triangle: &Triangle, (min, max): ([u32; 3], [u32; 3]), visit: &mut impl FnMut(usize)) {
+    let corners = triangle.map(|p| frame.local(p.as_dvec3()));
+    // The axis with most voxels last: its voxels cost nothing but the visit.
+    let mut axes = [0, 1, 2];
+    axes.sort_by_key(|&a| max[a] - min[a]);
+    let [slab, column, run] = axes;
+    for (s, part) in Slices::new(Polygon::new(&corners), slab, min[slab], max[slab]) {
+        let Some((from, to)) = part.voxels(column, min[column], max[column]) else { continue };
+        for (c, part) in Slices::new(part, column, from, to) {
+            let Some((from, to)) = part.voxels(run, min[run], max[run]) else { continue };
+            let mut v = [0; 3];
+            v[slab] = s;
+            v[column] = c;
+            for r in from..=to {
+                v[run] = r;
+                visit(frame.index(v));
+            }
+        }
+    }
+}
+
+/// A convex polygon: a triangle cut by at most four planes has at most seven corners.
+#[derive(Clone, Copy)]
+struct Polygon {
+    corners: [DVec3; 8],
+    len: usize,
+}
+
+impl Polygon {
+    const EMPTY: Polygon = Polygon { corners: [DVec3::ZERO; 8], len: 0 };
+
+    fn new(corners: &[DVec3]) -> Self {
+        let mut polygon = Self::EMPTY;
+        for &p in corners {
+            polygon.push(p);
+        }
+        polygon
+    }
+
+    fn push(&mut self, p: DVec3) {
+        // Rounding can make a sliver's outline cross a plane more often than a convex one may; the surplus corners lie
+        // within rounding of those kept.
+        if self.len < self.corners.len() {
+            self.corners[self.len] = p;
+            self.len += 1;
+        }
+    }
+
+    /// The voxels of an axis that the polygon reaches, padded, within `least..=most`; `None` if it has no corner.
+    fn voxels(&self, axis: usize, least: u32, most: u32) -> Option<(u32, u32)> {
+        let corners = &self.corners[..self.len];
+        let min = corners.iter().map(|p| p[axis]).reduce(f64::min)?;
+        let max = corners.iter().map(|p| p[axis]).reduce(f64::max)?;
+        Some((((min - PADDING) as u32).clamp(least, most), ((max + PADDING) as u32).clamp(least, most)))
+    }
+
+    /// The part with coordinates at most (`SIGN` 1) or at least (`SIGN` -1) `bound` along `axis` (Sutherland & Hodgman
+    /// 1974).
+    fn clip<const SIGN: i8>(&self, axis: usize, bound: f64) -> Self {
+        let outside = |p: DVec3| (p[axis] - bound) * f64::from(SIGN);
+        let mut kept = Self::EMPTY;
+        for i in 0..self.len {
+            let (p, q) = (self.corners[i], self.corners[(i + 1) % self.len]);
+            let (a, b) = (outside(p), outside(q));
+            if a <= 0.0 {
+                kept.push(p);
+            }
+            if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
+                kept.push(p + (q - p) * (a / (a - b)));
+            }
+        }
+        kept
+    }
+}
+
+/// Cuts a polygon into padded slices of one voxel along an axis.
+struct Slices {
+    rest: Polygon,
+    axis: usize,
+    next: u32,
+    last: u32,
+}
+
+impl Slices {
+    fn new(polygon: Polygon, axis: usize, first: u32, last: u32) -> Self {
+        Self { rest: polygon, axis, next: first, last }
+    }
+}
+
+impl Iterator for Slices {
+    type Item = (u32, Polygon);
+
+    fn next(&mut self) -> Option<(u32, Polygon)> {
+        if self.next > self.last {
+            return None;
+        }
+        let i = self.next;
+        self.next += 1;
+        if i == self.last {
+            return Some((i, self.rest));
+        }
+        let face = f64::from(i) + 1.0;
+        let slice = self.rest.clip::<1>(self.axis, face + PADDING);
+        self.rest = self.rest.clip::<-1>(self.axis, face - PADDING);
+        Some((i, slice))
+    }
+}

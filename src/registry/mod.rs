@@ -1,0 +1,172 @@
+//! Every accelerator by name, one entry each; parses specifications such as `grid:density=4,mailbox=on`.
+
+mod spec;
+
+pub use spec::Spec;
+
+use crate::accel::{Accel, BruteForce};
+#[cfg(feature = "obvhs")]
+use crate::adapters::obvhs::{self, Preset};
+use crate::error::Result;
+use crate::geometry::Geometry;
+use crate::grid::{Grid, GridOptions};
+
+/// What a user may know about an accelerator before building it.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Name in specifications.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Options with their ranges and defaults, empty if there is none.
+    pub options: &'static str,
+    /// Where the method comes from.
+    pub source: &'static str,
+}
+
+/// All accelerators compiled in, in the order of `skipgrid list`.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        name: "brute",
+        summary: "tests every primitive for every ray",
+        options: "",
+        source: "the reference of the conformance tests",
+    },
+    Entry {
+        name: "grid",
+        summary: "uniform grid, voxel walk with recomputed crossings",
+        options: "density=F (voxels a primitive, above 0; 2), resolution=N or NxNxN (1..4096), mailbox=on|off (off), \
+                  memory=BYTES (a quarter of the machine's, at most 8G)",
+        source: "Amanatides & Woo 1987; lists after Lagae & Dutré 2008",
+    },
+    #[cfg(feature = "obvhs")]
+    Entry {
+        name: "obvhs-bvh2",
+        summary: "two-wide BVH of the crate obvhs",
+        options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
+        source: "obvhs 0.4: PLOC (Meister & Bittner 2018), reinsertion",
+    },
+    #[cfg(feature = "obvhs")]
+    Entry {
+        name: "obvhs-cwbvh",
+        summary: "eight-wide compressed BVH of the crate obvhs",
+        options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
+        source: "obvhs 0.4: Ylitie et al. 2017 over PLOC",
+    },
+];
+
+/// Builds the accelerator that `spec` names over `geometry`, which it owns, borrows (`&G`) or shares (`Arc<G>`).
+///
+/// ```
+/// use skipgrid::{Accel, Hit, Ray, registry};
+/// use glam::Vec3;
+/// let triangles = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]];
+/// let accel = registry::build("grid:density=4", &triangles)?;
+/// let hit = accel.closest_hit(&Ray::new(Vec3::new(0.25, 0.25, -2.0), Vec3::Z));
+/// assert_eq!(hit, Some(Hit { t: 2.0, prim: 0 }));
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
+///
+/// # Errors
+/// The name or an option is unknown, a value is out of range, or the structure would exceed its memory budget.
+pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Accel + 'a>> {
+    let mut spec = Spec::parse(spec)?;
+    Ok(match spec.name() {
+        "brute" => {
+            spec.finish()?;
+            Box::new(BruteForce::new(geometry))
+        }
+        "grid" => {
+            let options = grid_options(&mut spec)?;
+            Box::new(Grid::build(geometry, &options)?)
+        }
+        #[cfg(feature = "obvhs")]
+        "obvhs-bvh2" => {
+            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
+            spec.finish()?;
+            Box::new(obvhs::bvh2(geometry, preset)?)
+        }
+        #[cfg(feature = "obvhs")]
+        "obvhs-cwbvh" => {
+            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
+            spec.finish()?;
+            Box::new(obvhs::cwbvh(geometry, preset)?)
+        }
+        _ => return Err(spec.unknown_name(ENTRIES)),
+    })
+}
+
+fn grid_options(spec: &mut Spec) -> Result<GridOptions> {
+    let mut options = GridOptions::default();
+    if let Some(density) = spec.take("density", |v| v.parse().ok().filter(|d: &f64| d.is_finite() && *d > 0.0))? {
+        options.density = density;
+    }
+    options.resolution = spec.take("resolution", parse_resolution)?;
+    if let Some(mailbox) = spec.take_choice("mailbox", &[("on", true), ("off", false)])? {
+        options.mailbox = mailbox;
+    }
+    if let Some(memory) = spec.take("memory", spec::parse_bytes)? {
+        options.memory = memory;
+    }
+    spec.finish()?;
+    Ok(options)
+}
+
+fn parse_resolution(text: &str) -> Option<[u32; 3]> {
+    let counts: Vec<u32> = text.split('x').map(|n| n.parse().ok()).collect::<Option<_>>()?;
+    let counts = match counts[..] {
+        [n] => [n; 3],
+        [x, y, z] => [x, y, z],
+        _ => return None,
+    };
+    counts.iter().all(|n| (1..=GridOptions::MAX_RESOLUTION).contains(n)).then_some(counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn every_entry_builds_over_nothing_and_over_something() {
+        for entry in ENTRIES {
+            for triangles in [vec![], vec![[Vec3::ZERO, Vec3::X, Vec3::Y]]] {
+                let accel = build(entry.name, &triangles).expect(entry.name);
+                let ray = crate::Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
+                assert_eq!(accel.any_hit(&ray), !triangles.is_empty(), "{}", entry.name);
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_specifications_say_what_is_wrong() {
+        let triangles = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]];
+        for (spec, part) in [
+            ("gird", "did you mean `grid`"),
+            ("grid:density=0", "density"),
+            ("grid:density=nan", "density"),
+            ("grid:dens=1", "unknown option `dens`"),
+            ("grid:mailbox=maybe", "on|off"),
+            ("grid:resolution=0", "resolution"),
+            ("grid:resolution=8x8", "resolution"),
+            ("grid:density", "density"),
+            ("grid:density=1,density=2", "twice"),
+            ("brute:density=1", "unknown option"),
+            ("obvhs-cwbvh:preset=best", "very_slow"),
+            ("", "name"),
+        ] {
+            let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };
+            assert!(error.to_string().contains(part), "{spec}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_grid_beyond_its_budget_is_refused_with_both_sizes() {
+        let triangles = vec![[Vec3::ZERO, Vec3::new(1.0, 1.0, 1.0), Vec3::Y]; 100];
+        let Err(error) = build("grid:resolution=4096,memory=1M", &triangles) else { panic!("accepted") };
+        assert!(matches!(error, crate::Error::TooLarge { allowed: 1_048_576, .. }), "{error}");
+        // The voxels fit, the references do not.
+        let Err(error) = build("grid:resolution=64,memory=1100000", &triangles) else { panic!("accepted") };
+        assert!(error.to_string().contains("wants"), "{error}");
+    }
+}

@@ -1,0 +1,141 @@
+//! Specifications of the form `name:key=value,key=value`.
+
+use super::Entry;
+use crate::error::{Error, Result};
+
+/// A parsed specification; options are taken one by one, and what is left over is an error.
+#[derive(Clone, Debug)]
+pub struct Spec {
+    text: String,
+    name: String,
+    options: Vec<(String, String)>,
+}
+
+impl Spec {
+    /// Splits `text` at `:`, `,` and `=`.
+    ///
+    /// # Errors
+    /// There is no name, an option has no value, or a key comes twice.
+    pub fn parse(text: &str) -> Result<Self> {
+        let fail = |cause: String| Error::Spec { spec: text.into(), cause };
+        let (name, rest) = text.split_once(':').unwrap_or((text, ""));
+        if name.is_empty() {
+            return Err(fail("a name is missing; a specification is name:key=value,key=value".into()));
+        }
+        let mut options: Vec<(String, String)> = Vec::new();
+        for option in rest.split(',').filter(|o| !o.is_empty()) {
+            let Some((key, value)) = option.split_once('=') else {
+                return Err(fail(format!("option `{option}` has no value; write {option}=VALUE")));
+            };
+            if options.iter().any(|(k, _)| k == key) {
+                return Err(fail(format!("option `{key}` is given twice")));
+            }
+            options.push((key.into(), value.into()));
+        }
+        Ok(Self { text: text.into(), name: name.into(), options })
+    }
+
+    /// The part before the colon.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Takes the option `key` and parses its value; `None` if it is not given.
+    ///
+    /// # Errors
+    /// `parse` returns `None`.
+    pub fn take<T>(&mut self, key: &str, parse: impl FnOnce(&str) -> Option<T>) -> Result<Option<T>> {
+        let Some(i) = self.options.iter().position(|(k, _)| k == key) else { return Ok(None) };
+        let (_, value) = self.options.remove(i);
+        match parse(&value) {
+            Some(value) => Ok(Some(value)),
+            None => Err(self.error(format!("option `{key}` cannot be `{value}`"))),
+        }
+    }
+
+    /// Takes the option `key`, whose value is one of the names in `choices`.
+    ///
+    /// # Errors
+    /// It is none of them.
+    pub fn take_choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Result<Option<T>> {
+        let Some(i) = self.options.iter().position(|(k, _)| k == key) else { return Ok(None) };
+        let (_, value) = self.options.remove(i);
+        match choices.iter().find(|(name, _)| *name == value) {
+            Some((_, choice)) => Ok(Some(*choice)),
+            None => {
+                let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+                Err(self.error(format!("option `{key}` cannot be `{value}`; it is {}", names.join("|"))))
+            }
+        }
+    }
+
+    /// # Errors
+    /// An option was not taken.
+    pub fn finish(&self) -> Result<()> {
+        match self.options.first() {
+            None => Ok(()),
+            Some((key, _)) => Err(self.error(format!("unknown option `{key}`"))),
+        }
+    }
+
+    /// An error about this specification.
+    pub fn error(&self, cause: impl Into<String>) -> Error {
+        Error::Spec { spec: self.text.clone(), cause: cause.into() }
+    }
+
+    /// The error for a name that is in no entry, with the nearest one.
+    pub(super) fn unknown_name(&self, entries: &[Entry]) -> Error {
+        let nearest = entries.iter().map(|e| e.name).min_by_key(|name| distance(name, &self.name));
+        let hint = nearest.filter(|name| distance(name, &self.name) <= 3);
+        let names: Vec<&str> = entries.iter().map(|e| e.name).collect();
+        let hint = hint.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        self.error(format!("unknown accelerator{hint}; there are {}", names.join(", ")))
+    }
+}
+
+/// Bytes as a number, with `K`, `M`, `G` or `T` for powers of 1024.
+pub(super) fn parse_bytes(text: &str) -> Option<u64> {
+    let (digits, shift) = match text.char_indices().last()? {
+        (i, 'K') => (&text[..i], 10),
+        (i, 'M') => (&text[..i], 20),
+        (i, 'G') => (&text[..i], 30),
+        (i, 'T') => (&text[..i], 40),
+        _ => (text, 0),
+    };
+    digits.parse::<u64>().ok()?.checked_mul(1 << shift)
+}
+
+/// Levenshtein's edit distance.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(row[j + 1] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        assert_eq!(parse_bytes("512"), Some(512));
+        assert_eq!(parse_bytes("4G"), Some(4 << 30));
+        assert_eq!(parse_bytes("99999999999T"), None);
+        assert_eq!(parse_bytes("-1"), None);
+    }
+
+    #[test]
+    fn edit_distance_counts_edits() {
+        assert_eq!(distance("grid", "gird"), 2);
+        assert_eq!(distance("", "abc"), 3);
+    }
+}
