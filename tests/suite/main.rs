@@ -3,6 +3,7 @@ mod cli;
 mod conformance;
 mod export;
 mod malformed;
+mod mesh_files;
 mod pictures;
 mod random;
 mod render;

@@ -31,7 +31,7 @@ impl Reader<'_> {
         let at = render.span().start;
         let schema::Render { width, height, integrator, max_depth, spp } = render.into_inner();
         let numbers = [("width", width), ("height", height), ("max_depth", max_depth), ("spp", spp)];
-        for (what, _) in numbers.iter().filter(|(_, n)| n.is_some_and(|n| n == 0 || n > 1 << 24)) {
+        if let Some((what, _)) = numbers.iter().find(|(_, n)| n.is_some_and(|n| n == 0 || n > 1 << 24)) {
             return Err(self.fail(at, format!("render: {what} is not within 1 to {}", 1 << 24)));
         }
         if let Some(name) = integrator.as_deref().filter(|i| !["path", "whitted"].contains(i)) {

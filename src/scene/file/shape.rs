@@ -30,7 +30,8 @@ impl Reader<'_> {
         let [corner, u, v] = [corner, u, v].map(DVec3::from_array);
         let positions = [corner, corner + u, corner + u + v, corner + v].map(DVec3::as_vec3);
         let area = u.cross(v).length();
-        if !positions.iter().all(|p| p.is_finite()) || !(area > 0.0 && area.is_finite()) {
+        let spans = positions.iter().all(|p| p.is_finite()) && area > 0.0 && area.is_finite();
+        if !spans {
             return Err(self.fail(at, format!("quad: corner {corner}, u {u} and v {v} span no parallelogram")));
         }
         let repeat = Vec2::from_array(repeat.unwrap_or([1.0; 2]));
@@ -128,7 +129,8 @@ impl Reader<'_> {
             materials.push(self.material_index(None, parts)?);
         }
         let of_slot = |slot: u32| materials[slot as usize % materials.len()];
-        if !body.spheres.is_empty() && !(scale.x > 0.0 && scale == DVec3::splat(scale.x)) {
+        let round = scale.x > 0.0 && scale == DVec3::splat(scale.x);
+        if !body.spheres.is_empty() && !round {
             return Err(self.fail(at, format!("scale {scale} makes spheres something else; give one positive number")));
         }
         for (sphere, slot) in body.spheres {

@@ -18,6 +18,7 @@ pub(super) const ENTRY: Entry = Entry {
 };
 
 /// Directions from a sphere that points to +z to its nine children, rounded as in the original.
+#[expect(clippy::approx_constant, reason = "the digits are the original's")]
 const CHILDREN: [[f64; 3]; 9] = [
     [0.408248, 0.408248, 0.816497],
     [0.965926, 0.258819, 0.0],

@@ -115,7 +115,10 @@ struct Stage {
 /// The name or an option is unknown, or a value is out of range.
 pub fn parse(spec: &str) -> Result<SceneParts> {
     let (name, rest) = spec.split_once(':').unwrap_or((spec, ""));
-    let entry = find(name).ok_or_else(|| Error::invalid(format!("scene `{spec}`: {}", unknown(name))))?;
+    let entry = find(name).ok_or_else(|| {
+        let files = "a file (.toml, .gltf, .glb, .obj, .tri, .sph)";
+        Error::invalid(format!("scene `{spec}`: neither {files} nor {}", unknown(name)))
+    })?;
     let mut options = Options::default();
     for option in rest.split(',').filter(|o| !o.is_empty()) {
         let bad = |cause: String| Error::invalid(format!("scene `{spec}`: option `{option}`: {cause}"));
@@ -133,7 +136,7 @@ pub fn parse(spec: &str) -> Result<SceneParts> {
 /// # Errors
 /// The name is unknown, or an option is not one of the entry's or out of range.
 pub(super) fn body(name: &str, options: &Options) -> Result<Body> {
-    let entry = find(name).ok_or_else(|| Error::invalid(unknown(name)))?;
+    let entry = find(name).ok_or_else(|| Error::invalid(format!("`{name}` is not {}", unknown(name))))?;
     if let Some(key) = options.given().find(|key| !entry.keys.contains(key)) {
         return Err(Error::invalid(format!("`{name}` takes {}, not `{key}`", keys(entry))));
     }
@@ -168,10 +171,7 @@ fn unknown(name: &str) -> String {
     let names: Vec<_> = ENTRIES.iter().map(|e| e.name).collect();
     let nearest = names.iter().min_by_key(|n| edit_distance(n, name)).filter(|n| edit_distance(n, name) <= 2);
     let hint = nearest.map(|n| format!("; did you mean `{n}`?")).unwrap_or_default();
-    format!(
-        "neither a file (.toml, .gltf, .glb, .obj, .tri, .sph) nor one of the procedural scenes {}{hint}",
-        names.join(", ")
-    )
+    format!("one of the procedural scenes {}{hint}", names.join(", "))
 }
 
 /// Levenshtein distance, for names of a few letters; long ones are infinitely far.
