@@ -54,17 +54,17 @@ impl Spawner {
     }
 
     /// The ray from `position` on a surface with unit `normal` (either side) to just before `target`.
-    pub fn onto_point(&self, position: DVec3, normal: DVec3, target: DVec3) -> Ray {
+    pub fn ending_at(&self, position: DVec3, normal: DVec3, target: DVec3) -> Ray {
         let origin = self.lift(position, side(normal, target - position), largest(position)).as_vec3();
         Ray::new(origin, (target - origin.as_dvec3()).as_vec3()).with_range(0.0, BEFORE_LIGHT)
     }
 
-    /// As [`Spawner::onto_point`], for a target on a surface with the unit normal `target_normal` on the side of
+    /// As [`Spawner::ending_at`], for a target on a surface with the unit normal `target_normal` on the side of
     /// `position`: the ray ends in front of that surface.
-    pub fn onto_surface(&self, position: DVec3, normal: DVec3, target: DVec3, target_normal: DVec3) -> Ray {
+    pub fn ending_on(&self, position: DVec3, normal: DVec3, target: DVec3, target_normal: DVec3) -> Ray {
         // The end is off by the rounding of the direction, too.
         let reach = largest(target).max(largest(target - position));
-        self.onto_point(position, normal, self.lift(target, target_normal, reach))
+        self.ending_at(position, normal, self.lift(target, target_normal, reach))
     }
 }
 
@@ -184,7 +184,7 @@ mod tests {
         let mut checked = 0;
         for direction in directions(normal, seed).filter(|d| d.dot(normal) > 0.0) {
             let from = place + direction * scale * 3.0;
-            let ray = spawner.onto_surface(from, direction, place, normal);
+            let ray = spawner.ending_on(from, direction, place, normal);
             // A start so close to the emitter's plane that rounding has put it there or behind sees no front.
             if (ray.origin.as_dvec3() - place).dot(normal) > spawner.floor {
                 assert!(!accel.any_hit(&ray), "{place} {normal} {ray:?}");

@@ -88,8 +88,8 @@ impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
         self.stats.shadow += 1;
         let spawner = &self.stage.spawner;
         let ray = match arrival.target {
-            Target::Point(target) => spawner.onto_point(vertex.position, vertex.geometric, target),
-            Target::Surface(target, normal) => spawner.onto_surface(vertex.position, vertex.geometric, target, normal),
+            Target::Point(target) => spawner.ending_at(vertex.position, vertex.geometric, target),
+            Target::Surface(target, normal) => spawner.ending_on(vertex.position, vertex.geometric, target, normal),
             Target::Infinity => spawner.along(vertex.position, vertex.geometric, arrival.direction),
         };
         !self.accel.any_hit(&ray)
