@@ -162,7 +162,8 @@ fn sphere_parameter(o: V, d: V, centre: V, r: i128) -> Option<(f64, f64)> {
     let bits = ((126 - discriminant.max(1).ilog2().min(126)) / 2).min(40);
     let s = root(discriminant << (2 * bits));
     let parameter = |x: i128| x as f64 / a as f64 / 2f64.powi(bits as i32);
-    // The near root is at or above 0 if b >= 0 and b^2 >= discriminant, which is c >= 0; else the far one if c <= 0 or b >= 0.
+    // The near root is at or above 0 if b >= 0 and b^2 >= discriminant, which is c >= 0; else the far one if c <= 0 or
+    // b >= 0.
     if b >= 0 && c >= 0 {
         Some((parameter((b << bits) - s - 1), parameter((b << bits) - s)))
     } else if c <= 0 {
