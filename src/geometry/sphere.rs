@@ -137,8 +137,8 @@ pub(super) fn parameter(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option
 ///
 /// Error of the discriminant with `u = 2^-53`: `b` carries four roundings (difference, product, two sums), so it is
 /// known within `4 u |f| |d|`; the squared length and its inverse carry four more, product and product with `d` two,
-/// which makes `10 u |f|`; the sum with `f`, known within `u |f|`, adds `u |f|`. So `nearest` is known within `12 u
-/// |f|`, its squared length within `24 u |f| |nearest| + 144 u^2 |f|^2 + 3 u |nearest|^2`, and the difference from
+/// which makes `10 u |f|`; the sum with `f`, known within `u |f|`, adds `u |f|`. So `nearest` is known within
+/// `12 u |f|`, its squared length within `24 u |f| |nearest| + 144 u^2 |f|^2 + 3 u |nearest|^2`, and the difference from
 /// `r^2`, which is exact, adds `u |discriminant|`.
 #[inline(never)]
 fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
