@@ -29,7 +29,7 @@ fn split(a: f64) -> (f64, f64) {
 
 /// The product and its rounding error: `a * b` exactly.
 #[inline]
-fn two_product(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     let ((a1, a0), (b1, b0)) = (split(a), split(b));
     (product, a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0))

@@ -1,1 +1,209 @@
-//! EXR, PNG and PFM in and out.
+//! EXR, PNG and PFM in and out, chosen by the file's extension; files are never left half-written.
+
+mod exr;
+mod pfm;
+mod png;
+
+pub use exr::{read_attributes, read_with_variance, write_with_variance};
+
+use super::Picture;
+use crate::error::{Error, Result};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Decoded pictures above this many bytes are refused before anything is allocated for them.
+pub const MAX_DECODED_BYTES: u64 = 1 << 30;
+
+/// Files above this many bytes are refused before they are read.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// Named texts that an EXR file carries: render settings, accelerator. PNG and PFM files drop them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Attributes {
+    /// Names and values in the order of insertion.
+    pub entries: Vec<(String, String)>,
+}
+
+impl Attributes {
+    /// The same attributes and one more.
+    pub fn with(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
+        self.entries.push((name.into(), value.into()));
+        self
+    }
+
+    /// The value of `name`, if there is one.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.entries.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
+    }
+}
+
+/// How the numbers in a PNG file relate to light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PngEncoding {
+    /// Linear if the file's gAMA chunk says 1 (as POV-Ray writes with `File_Gamma=1.0`), else sRGB.
+    #[default]
+    Declared,
+    /// sRGB, whatever the file says.
+    Srgb,
+    /// Proportional to light, whatever the file says.
+    Linear,
+}
+
+/// The formats that are read and written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Exr,
+    Png,
+    Pfm,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        match extension.as_str() {
+            "exr" => Ok(Format::Exr),
+            "png" => Ok(Format::Png),
+            "pfm" => Ok(Format::Pfm),
+            other => {
+                Err(Error::malformed(path, format!("extension `{other}` is no picture format: .exr, .png or .pfm")))
+            }
+        }
+    }
+}
+
+/// Reads a picture; a PNG as [`PngEncoding::Declared`].
+///
+/// EXR: half, f32 or u32 channels `R`, `G`, `B`, or `Y` alone; other channels are ignored. PNG: 8 or 16 bits, grey or
+/// colour; opacity is ignored. PFM: `PF` or `Pf`. Pixels that are not finite are read as they are.
+///
+/// # Errors
+/// The file cannot be read, has another extension, is damaged, has no colour channels, several parts or deep data, or
+/// would decode to more than [`MAX_DECODED_BYTES`].
+pub fn read(path: impl AsRef<Path>) -> Result<Picture> {
+    read_with(path, PngEncoding::Declared)
+}
+
+/// As [`read`], with a say in what the numbers of a PNG mean.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(path: impl AsRef<Path>, encoding: PngEncoding) -> Result<Picture> {
+    let path = path.as_ref();
+    let format = Format::of(path)?;
+    let bytes = read_bytes(path)?;
+    match format {
+        Format::Exr => exr::decode(path, &bytes),
+        Format::Png => png::decode(path, &bytes, encoding),
+        Format::Pfm => pfm::decode(path, &bytes),
+    }
+}
+
+/// Writes a picture: EXR in f32 with `attributes`, PNG in sRGB with 8 bits (clamped to 0..1, NaN as 0), PFM in little
+/// endian.
+///
+/// The file appears whole or not at all; an older file of that name stays until then.
+///
+/// # Errors
+/// The extension is another one, the picture's size and number of pixels disagree, or the file cannot be written.
+pub fn write(path: impl AsRef<Path>, picture: &Picture, attributes: &Attributes) -> Result<()> {
+    let path = path.as_ref();
+    let format = Format::of(path)?;
+    check_size(path, picture)?;
+    let bytes = match format {
+        Format::Exr => exr::encode(path, picture, None, attributes)?,
+        Format::Png => encode_png(path, picture)?,
+        Format::Pfm => pfm::encode(picture),
+    };
+    replace_file(path, &bytes)
+}
+
+/// The picture as a PNG file in memory, sRGB with 8 bits; `path` is for messages only.
+///
+/// # Errors
+/// The picture's size and number of pixels disagree, or it is empty.
+pub fn encode_png(path: &Path, picture: &Picture) -> Result<Vec<u8>> {
+    check_size(path, picture)?;
+    png::encode(path, picture)
+}
+
+/// Puts `bytes` in the place of the file `path`: whole or not at all.
+///
+/// They are written to a new file beside it, which then takes its name; on failure the old file stays. A link is
+/// followed.
+///
+/// # Errors
+/// The folder is missing or not writable, the disk is full, or `path` exists and is no regular file.
+pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let path = path.as_ref();
+    let fail = |source| Error::io(path, source);
+    let target = match std::fs::metadata(path) {
+        Ok(meta) if !meta.is_file() => return Err(Error::malformed(path, "is no regular file, not overwritten")),
+        Ok(_) => std::fs::canonicalize(path).map_err(fail)?,
+        Err(_) => path.to_path_buf(),
+    };
+    let mut name = target.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
+    let part = target.with_file_name(name);
+    let written = write_new(&part, bytes).and_then(|()| std::fs::rename(&part, &target));
+    written.map_err(|source| {
+        // The first error is the one to report; a part that was never made cannot be removed.
+        let _ = std::fs::remove_file(&part);
+        Error::io(path, source)
+    })
+}
+
+fn write_new(part: &PathBuf, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = std::fs::File::create_new(part)?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+/// Reads a regular file of at most [`MAX_FILE_BYTES`].
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let meta = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
+    if !meta.is_file() {
+        return Err(Error::malformed(path, "is no regular file"));
+    }
+    if meta.len() > MAX_FILE_BYTES {
+        return Err(too_large(path, "file", meta.len(), MAX_FILE_BYTES));
+    }
+    std::fs::read(path).map_err(|e| Error::io(path, e))
+}
+
+fn too_large(path: &Path, what: &str, wanted: u64, allowed: u64) -> Error {
+    Error::TooLarge { what: format!("{}: {what}", path.display()), wanted, allowed }
+}
+
+/// Refuses a declared size that is empty or would decode to too much; gives the number of pixels.
+fn check_declared(path: &Path, width: u64, height: u64, bytes_per_pixel: u64) -> Result<usize> {
+    if width == 0 || height == 0 {
+        return Err(Error::malformed(path, format!("picture of {width} x {height} pixels is empty")));
+    }
+    let pixels = width.saturating_mul(height);
+    let wanted = pixels.saturating_mul(bytes_per_pixel.max(12));
+    let small_sides = u32::try_from(width).is_ok() && u32::try_from(height).is_ok();
+    match usize::try_from(pixels) {
+        Ok(n) if small_sides && wanted <= MAX_DECODED_BYTES => Ok(n),
+        _ => Err(too_large(path, &format!("picture of {width} x {height} pixels"), wanted, MAX_DECODED_BYTES)),
+    }
+}
+
+/// A black picture whose memory was asked for, not taken for granted.
+fn blank(path: &Path, width: u32, height: u32, pixels: usize) -> Result<Picture> {
+    let mut buffer = Vec::new();
+    let wanted = pixels as u64 * 12;
+    buffer.try_reserve_exact(pixels).map_err(|_| too_large(path, "picture", wanted, wanted))?;
+    buffer.resize(pixels, [0.0; 3]);
+    Ok(Picture { width, height, pixels: buffer })
+}
+
+fn check_size(path: &Path, picture: &Picture) -> Result<()> {
+    let wanted = u64::from(picture.width) * u64::from(picture.height);
+    if wanted != picture.pixels.len() as u64 || wanted == 0 {
+        let (w, h, n) = (picture.width, picture.height, picture.pixels.len());
+        return Err(Error::malformed(path, format!("picture of {w} x {h} has {n} pixels, not {wanted} above 0")));
+    }
+    Ok(())
+}

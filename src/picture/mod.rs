@@ -1,8 +1,11 @@
 //! Pictures: linear RGB in f32, files, metrics and statistical comparison.
 
+pub mod falsecolour;
 pub mod flip;
 pub mod io;
 pub mod metrics;
+pub mod srgb;
+#[cfg(feature = "validate")]
 pub mod tiles;
 
 /// A picture in linear RGB, rows from the top.

@@ -2,6 +2,7 @@
 
 mod assemble;
 mod camera;
+mod export;
 pub mod file;
 #[cfg(feature = "gltf")]
 pub mod gltf;
@@ -19,6 +20,7 @@ mod texture;
 mod transform;
 
 pub use camera::{Camera, CameraSource};
+pub use export::ExportSettings;
 pub use light::Light;
 pub use load::{LoadOptions, load};
 pub use material::{Bsdf, Filter, Material, Texture};

@@ -1,0 +1,165 @@
+//! OpenEXR through the `exr` crate: f32 out, half, f32 and u32 in.
+
+use super::{Attributes, MAX_DECODED_BYTES, blank, check_declared, check_size, read_bytes, replace_file, too_large};
+use crate::error::{Error, Result};
+use crate::picture::Picture;
+use exr::block::reader::Reader;
+use exr::prelude::*;
+use std::io::Cursor;
+use std::path::Path;
+
+/// Our names for the variance of the mean, in the order R, G, B.
+const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
+const COLOURS: [&str; 3] = ["R", "G", "B"];
+
+/// The only part of an EXR file, checked and decoded.
+type Part = Layer<AnyChannels<FlatSamples>>;
+
+/// Writes an EXR file with the channels `R`, `G`, `B` (the mean) and `variance.R`, `variance.G`, `variance.B`.
+///
+/// # Errors
+/// The sizes disagree, or the file cannot be written.
+pub fn write_with_variance(
+    path: impl AsRef<Path>,
+    mean: &Picture,
+    variance: &Picture,
+    attributes: &Attributes,
+) -> crate::Result<()> {
+    let path = path.as_ref();
+    check_size(path, mean)?;
+    check_size(path, variance)?;
+    if (mean.width, mean.height) != (variance.width, variance.height) {
+        let (a, b) = ((mean.width, mean.height), (variance.width, variance.height));
+        return Err(Error::malformed(path, format!("mean is {} x {}, variance {} x {}", a.0, a.1, b.0, b.1)));
+    }
+    replace_file(path, &encode(path, mean, Some(variance), attributes)?)
+}
+
+/// Reads what [`write_with_variance`] writes: the mean and its variance.
+///
+/// # Errors
+/// As [`super::read`]; or a variance channel is missing.
+pub fn read_with_variance(path: impl AsRef<Path>) -> crate::Result<(Picture, Picture)> {
+    let path = path.as_ref();
+    let part = decode_part(path, &read_bytes(path)?)?;
+    Ok((picture(path, &part, &COLOURS)?, picture(path, &part, &VARIANCE)?))
+}
+
+/// The text attributes of an EXR file, in the order of their names.
+///
+/// # Errors
+/// The file cannot be read or its header is damaged.
+pub fn read_attributes(path: impl AsRef<Path>) -> crate::Result<Attributes> {
+    let path = path.as_ref();
+    let bytes = read_bytes(path)?;
+    let reader = Reader::read_from_buffered(Cursor::new(&bytes[..]), false).map_err(|e| damaged(path, &e))?;
+    let mut entries = Vec::new();
+    for header in reader.headers() {
+        for (name, value) in header.own_attributes.other.iter().chain(&header.shared_attributes.other) {
+            if let AttributeValue::Text(text) = value {
+                entries.push((utf8(name), utf8(text)));
+            }
+        }
+    }
+    entries.sort();
+    Ok(Attributes { entries })
+}
+
+pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Picture> {
+    let part = decode_part(path, bytes)?;
+    let grey = channel(&part, "Y").is_some() && COLOURS.iter().all(|name| channel(&part, name).is_none());
+    picture(path, &part, if grey { &["Y"; 3] } else { &COLOURS })
+}
+
+pub(super) fn encode(
+    path: &Path,
+    mean: &Picture,
+    variance: Option<&Picture>,
+    attributes: &Attributes,
+) -> Result<Vec<u8>> {
+    let mut own = LayerAttributes { software_name: Some(Text::from("skipgrid")), ..LayerAttributes::default() };
+    for (name, value) in &attributes.entries {
+        own.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
+    let planes = |picture: &Picture, names: [&'static str; 3]| {
+        let plane = |c: usize| FlatSamples::F32(picture.pixels.iter().map(|p| p[c]).collect());
+        [0, 1, 2].map(|c| AnyChannel::new(names[c], plane(c)))
+    };
+    let channels = planes(mean, COLOURS).into_iter();
+    let channels = channels.chain(variance.into_iter().flat_map(|v| planes(v, VARIANCE))).collect();
+    let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::FAST_LOSSLESS };
+    let size = (mean.width as usize, mean.height as usize);
+    let image = Image::from_layer(Layer::new(size, own, encoding, AnyChannels::sort(channels)));
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).map_err(|e| Error::malformed(path, e.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+/// Checks the header before any pixel is allocated, then decodes.
+fn decode_part(path: &Path, bytes: &[u8]) -> Result<Part> {
+    let reader = Reader::read_from_buffered(Cursor::new(bytes), false).map_err(|e| damaged(path, &e))?;
+    let [header] = reader.headers() else {
+        let parts = reader.headers().len();
+        return Err(Error::malformed(path, format!("has {parts} parts, wanted is 1")));
+    };
+    if header.deep {
+        return Err(Error::malformed(path, "has deep data, wanted are flat pixels"));
+    }
+    if let Some(c) = header.channels.list.iter().find(|c| c.sampling != Vec2(1, 1)) {
+        let Vec2(x, y) = c.sampling;
+        return Err(Error::malformed(path, format!("channel `{}` has one sample for {x} x {y} pixels", c.name)));
+    }
+    let Vec2(width, height) = header.layer_size;
+    let bytes_per_pixel = header.channels.bytes_per_pixel as u64;
+    check_declared(path, width as u64, height as u64, bytes_per_pixel)?;
+    let block = header.max_block_pixel_size();
+    let block_bytes = (block.0 as u64).saturating_mul(block.1 as u64).saturating_mul(bytes_per_pixel);
+    if block_bytes > MAX_DECODED_BYTES {
+        return Err(too_large(path, &format!("tile of {} x {}", block.0, block.1), block_bytes, MAX_DECODED_BYTES));
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        // In order, so that a damaged file gives the same message every time.
+        .non_parallel()
+        .from_chunks(reader)
+        .map_err(|e| damaged(path, &e))?;
+    Ok(image.layer_data)
+}
+
+fn channel<'a>(part: &'a Part, name: &str) -> Option<&'a AnyChannel<FlatSamples>> {
+    part.channel_data.list.iter().find(|c| c.name == *name)
+}
+
+fn picture(path: &Path, part: &Part, names: &[&str; 3]) -> Result<Picture> {
+    let Vec2(width, height) = part.size;
+    let pixels = check_declared(path, width as u64, height as u64, 12)?;
+    // check_declared refuses sides beyond u32.
+    let mut picture = blank(path, width as u32, height as u32, pixels)?;
+    for (c, name) in names.iter().enumerate() {
+        let Some(found) = channel(part, name) else {
+            let have: Vec<String> = part.channel_data.list.iter().map(|c| format!("`{}`", c.name)).collect();
+            return Err(Error::malformed(path, format!("has no channel `{name}`, only {}", have.join(", "))));
+        };
+        for (pixel, value) in picture.pixels.iter_mut().zip(found.sample_data.values_as_f32()) {
+            pixel[c] = value;
+        }
+    }
+    Ok(picture)
+}
+
+fn damaged(path: &Path, error: &exr::error::Error) -> Error {
+    Error::malformed(path, format!("damaged EXR file: {error}"))
+}
+
+/// EXR texts are bytes; ours are UTF-8.
+fn text(s: &str) -> Text {
+    Text::from_bytes_unchecked(s.bytes().collect())
+}
+
+fn utf8(text: &Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
+}

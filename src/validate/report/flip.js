@@ -1,0 +1,3 @@
+for (const button of document.querySelectorAll(".flip")) {
+  button.addEventListener("click", () => button.classList.toggle("turned"));
+}
