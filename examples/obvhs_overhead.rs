@@ -47,27 +47,26 @@ fn measure(name: &str, triangles: &[Triangle]) -> Result<(), Box<dyn std::error:
     let adapted_cw = registry::build("obvhs-cwbvh", triangles)?;
     let adapted_b2 = registry::build("obvhs-bvh2", triangles)?;
     for (kind, rays) in rays(&*adapted_cw) {
-        let native_rays: Vec<NativeRay> =
-            rays.iter().map(|r| NativeRay::new(r.origin.into(), r.direction.into(), 0.0, f32::INFINITY)).collect();
+        let native = |r: &Ray| NativeRay::new(r.origin.into(), r.direction.into(), 0.0, f32::INFINITY);
         report(
             name,
             "cwbvh",
             kind,
             || trace(&rays, |r| adapted_cw.closest_hit(r).is_some()),
-            || trace(&native_rays, |r| cw.ray_traverse(*r, &mut RayHit::none(), |r, id| cw_triangles[id].intersect(r))),
+            || trace(&rays, |r| cw.ray_traverse(native(r), &mut RayHit::none(), |r, id| cw_triangles[id].intersect(r))),
         );
         report(
             name,
             "bvh2",
             kind,
             || trace(&rays, |r| adapted_b2.closest_hit(r).is_some()),
-            || trace(&native_rays, |r| b2.ray_traverse(*r, &mut RayHit::none(), |r, id| b2_triangles[id].intersect(r))),
+            || trace(&rays, |r| b2.ray_traverse(native(r), &mut RayHit::none(), |r, id| b2_triangles[id].intersect(r))),
         );
     }
     Ok(())
 }
 
-fn trace<R>(rays: &[R], hit: impl Fn(&R) -> bool) -> Duration {
+fn trace(rays: &[Ray], hit: impl Fn(&Ray) -> bool) -> Duration {
     let start = Instant::now();
     black_box(rays.iter().filter(|r| hit(r)).count());
     start.elapsed()

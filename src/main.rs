@@ -1,3 +1,5 @@
 //! The program `skipgrid`.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    skipgrid::cli::main()
+}

@@ -109,26 +109,24 @@ impl Cell {
 
 /// The part of `t_min..=t_max` over which `origin + t * direction` lies between the planes of a box, or `None`.
 ///
-/// A zero component is a test of the origin, never a product with infinity. The result is exact up to the rounding of f64,
-/// so callers pad their boxes. `direction` is not zero; the box is bounded, so the result is finite.
-#[inline]
+/// `inverse` is 1 over each component of the direction. A component that is zero, the inverse infinite, is a test of the
+/// origin, never a product with infinity. The result is right up to a few roundings of f64, so callers pad their boxes. The
+/// direction is not zero and the box is bounded, so the result is finite.
+#[inline(always)]
 pub(crate) fn clip(
     origin: DVec3,
-    direction: DVec3,
+    inverse: DVec3,
     (min, max): (DVec3, DVec3),
     (t_min, t_max): (f64, f64),
 ) -> Option<(f64, f64)> {
     let (mut enter, mut leave) = (t_min, t_max);
+    let (a, b) = ((min - origin) * inverse, (max - origin) * inverse);
     for axis in 0..3 {
-        let (o, d) = (origin[axis], direction[axis]);
-        if d == 0.0 {
-            if o < min[axis] || o > max[axis] {
-                return None;
-            }
-        } else {
-            let (a, b) = ((min[axis] - o) / d, (max[axis] - o) / d);
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
+        if inverse[axis].is_finite() {
+            enter = enter.max(a[axis].min(b[axis]));
+            leave = leave.min(a[axis].max(b[axis]));
+        } else if origin[axis] < min[axis] || origin[axis] > max[axis] {
+            return None;
         }
     }
     (enter <= leave).then_some((enter, leave))

@@ -5,8 +5,8 @@
 //!
 //! - **Frame.** Boxes and rays are handed over in a frame whose centre is the scene's and whose scale is a power of two, so
 //!   that coordinates lie in -0.5..=0.5 whatever the scene's size (obvhs loses all of a scene at 1e-12 and panics at 1e20).
-//! - **Rays** start near the scene's box, found in f64, and have a largest component of 1; negative zeros are gone. They start
-//!   a bit before the box, since `CwBvh` drops boxes that end before its own epsilon.
+//! - **Rays** start in or near the scene's box, found in f64, and have a largest component of 1; negative zeros are gone. They
+//!   start a bit early, since `CwBvh` drops boxes that end before its own epsilon.
 //! - **Padding.** With coordinates below 0.75 and u = 2^-24, the ray handed over is off by at most 3u, the f32 box test and
 //!   the quantised boxes by some 12u, and the clamp of inverse directions at 2^23 by 4u: together below 2^-19. Boxes are
 //!   padded by [`PADDING`] = 2^-17, and the best parameter handed back is raised by as much.
@@ -29,8 +29,9 @@ use std::time::Duration;
 /// Boxes reach this far beyond their primitives, in units of the frame.
 const PADDING: f64 = 1.0 / 131_072.0;
 
-/// Rays start this far before the scene's box, in units of the frame.
-const RUN_UP: f64 = 1.0 / 16.0;
+/// Rays start this far before their first point, in units of the frame: more than the 1e-4 before which `CwBvh` takes a box
+/// to be behind the ray, and not much more, since every box in between is a box too many.
+const RUN_UP: f64 = 1.0 / 8192.0;
 
 /// obvhs' own settings, from the fastest build to the fastest traversal.
 ///
@@ -193,15 +194,17 @@ impl Frame {
         if origin.abs().max_element() > f64::from(1 << 30) {
             return Entry::TooFar;
         }
-        let direction = ray.direction.as_dvec3();
-        let speed = direction.abs().max_element() * self.scale;
-        let direction = direction * self.scale;
+        let direction = ray.direction.as_dvec3() * self.scale;
         let range = (f64::from(ray.t_min), f64::from(ray.t_max));
-        let Some((enter, leave)) = clip(origin, direction, (-self.half, self.half), range) else { return Entry::Miss };
-        let start = enter - RUN_UP / speed;
+        let Some((enter, leave)) = clip(origin, direction.recip(), (-self.half, self.half), range) else {
+            return Entry::Miss;
+        };
+        let speed = direction.abs().max_element();
+        let pace = 1.0 / speed;
+        let start = enter - RUN_UP * pace;
         let local = obvhs::ray::Ray::new(
             vec3a(origin + start * direction),
-            vec3a(direction / speed),
+            vec3a(direction * pace),
             0.0,
             raised((leave - start) * speed),
         );

@@ -1,1 +1,107 @@
 //! The program: one file for each verb.
+//!
+//! Data go to standard output, everything else to standard error. Exit codes: 0 done and, if something was checked, in
+//! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed.
+
+mod compare;
+mod console;
+mod diff;
+mod export;
+mod info;
+mod input;
+mod list;
+mod render;
+mod table;
+mod trace;
+mod validate;
+
+use clap::{Parser, Subcommand};
+use console::Console;
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  skipgrid render cornell -o cornell.png            a scene made by formula
+  skipgrid render room.glb --accel obvhs-cwbvh -o room.exr
+  skipgrid compare room.glb --accel grid --accel obvhs-cwbvh
+  skipgrid validate --report report.html            against POV-Ray's and Mitsuba's pictures
+  skipgrid trace mesh.obj --rays rays.npy --hits hits.npy
+
+Exit codes: 0 done and, if something was checked, in order; 1 a check failed; 2 bad usage or bad input; 3 input or \
+output failed.
+Data go to standard output, all else to standard error. NO_COLOR is respected.";
+
+/// Grid ray-tracing accelerators next to BVHs in one path tracer, and a validator against POV-Ray and Mitsuba.
+#[derive(Debug, Parser)]
+#[command(name = "skipgrid", version, after_help = EXAMPLES, max_term_width = 110)]
+struct Program {
+    #[command(subcommand)]
+    verb: Verb,
+
+    /// Print errors only; data still go to standard output
+    #[arg(long, short, global = true)]
+    quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    List(list::Args),
+    Info(info::Args),
+    Render(render::Args),
+    Compare(compare::Args),
+    Trace(trace::Args),
+    Validate(validate::Args),
+    Export(export::Args),
+    Diff(diff::Args),
+}
+
+/// How a verb ended that met no error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// All done, nothing wrong.
+    Done,
+    /// A check said no.
+    CheckFailed,
+}
+
+/// Runs the program on its command line and prints what goes wrong.
+pub fn main() -> ExitCode {
+    let program = match Program::try_parse() {
+        Ok(program) => program,
+        Err(message) => {
+            // Help and usage go where clap sends them; a closed pipe is no reason to fail.
+            let _ = message.print();
+            return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let console = Console::new(program.quiet);
+    let outcome = match program.verb {
+        Verb::List(args) => list::run(&args, &console),
+        Verb::Info(args) => info::run(&args, &console),
+        Verb::Render(args) => render::run(&args, &console),
+        Verb::Compare(args) => compare::run(&args, &console),
+        Verb::Trace(args) => trace::run(&args, &console),
+        Verb::Validate(args) => validate::run(&args, &console),
+        Verb::Export(args) => export::run(&args, &console),
+        Verb::Diff(args) => diff::run(&args, &console),
+    };
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Err(error) => {
+            console.error(&error);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Program::command().debug_assert();
+    }
+}

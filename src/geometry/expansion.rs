@@ -29,7 +29,7 @@ fn split(a: f64) -> (f64, f64) {
 
 /// The product and its rounding error: `a * b` exactly.
 #[inline]
-fn two_product(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     let ((a1, a0), (b1, b0)) = (split(a), split(b));
     (product, a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0))
@@ -121,12 +121,12 @@ impl Expansion {
 pub(crate) fn triple(a: &[Difference; 3], b: &[Difference; 3], c: &[Difference; 3]) -> Expansion {
     let mut sum = Expansion::zero();
     let mut minor = Expansion::zero();
-    for i in 0..3 {
+    for (i, component) in a.iter().enumerate() {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         minor.terms.clear();
         minor.add_product(1.0, &b[j], &c[k]);
         minor.add_product(-1.0, &b[k], &c[j]);
-        sum.add_product(1.0, &a[i], minor.terms());
+        sum.add_product(1.0, component, minor.terms());
     }
     sum
 }

@@ -8,6 +8,8 @@ mod expansion;
 mod indexed;
 mod mixed;
 mod sphere;
+#[cfg(test)]
+mod tests;
 mod triangle;
 
 pub use indexed::IndexedTriangles;

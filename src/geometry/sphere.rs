@@ -1,10 +1,20 @@
-//! Spheres: the test without cancellation, in f64.
+//! Spheres: the test without cancellation, in f64, and exact where rounding could change the answer.
+//!
+//! Source: Haines, Günther and Akenine-Möller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems,
+//! 2019, chapter 7. With `f = o - c` and `b = -f . d`, the discriminant is `r^2 - |f + (b / |d|^2) d|^2`, taken from the
+//! ray's point nearest to the centre, and the root that would cancel is `(|f|^2 - r^2) / q`.
+//! Departs from it: where the discriminant or `|f|^2 - r^2` is too near zero for its rounding error, it is computed
+//! exactly, so that hits, tangents and the side on which the origin lies are never wrong.
 
+use super::expansion::{Difference, Expansion, difference, two_product, two_sum};
 use super::{Best, Geometry};
-use crate::ray::{Aabb, Ray};
-use glam::Vec3;
+use crate::ray::{Aabb, Cell, Ray};
+use glam::{DVec3, Vec3};
 
-/// The surface of a ball, world units. A radius that is not finite or negative is never hit.
+/// The surface of a ball, world units.
+///
+/// A radius of 0 is a point. Never hit: a centre or radius that is not finite, a negative radius, or a sphere that
+/// reaches beyond the greatest f32 along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre, world units.
@@ -13,38 +23,210 @@ pub struct Sphere {
     pub radius: f32,
 }
 
+impl Sphere {
+    /// True if a ray can hit it.
+    fn is_usable(&self) -> bool {
+        let reach = self.centre.abs().max_element();
+        // NaN components may hide from the greatest one, hence the second condition.
+        f64::from(reach) + f64::from(self.radius) <= f64::from(f32::MAX)
+            && self.radius >= 0.0
+            && self.centre.is_finite()
+    }
+
+    /// The centre seen from the origin, turned round: `o - c` exactly.
+    fn offset(&self, ray: &Ray) -> [Difference; 3] {
+        let (o, c) = (ray.origin, self.centre);
+        [difference(o.x, c.x), difference(o.y, c.y), difference(o.z, c.z)]
+    }
+
+    /// `|o - c|^2 - r^2` with a relative error below 2^-40, zero only if it is: below zero inside the sphere.
+    #[inline(never)]
+    fn power(&self, ray: &Ray) -> f64 {
+        // Twice the working precision (Ogita, Rump and Oishi 2005, algorithm Dot2): within 2^-100 of the greatest
+        // term, for differences that f64 holds.
+        let (r, offset) = (f64::from(self.radius), self.offset(ray));
+        let (mut high, mut low) = two_product(-r, r);
+        let (mut size, mut exact) = (-high, true);
+        for [error, f] in offset {
+            let (square, square_error) = two_product(f, f);
+            let (sum, sum_error) = two_sum(high, square);
+            (high, low) = (sum, low + (square_error + sum_error));
+            (size, exact) = (size.max(square), exact && error == 0.0);
+        }
+        let power = high + low;
+        let threshold = size * (1.0 / (1u64 << 60) as f64);
+        if exact && power.abs() > threshold { power } else { self.exact_power(ray).estimate() }
+    }
+
+    /// `|o - c|^2 - r^2` exactly.
+    #[cold]
+    fn exact_power(&self, ray: &Ray) -> Expansion {
+        let r = [f64::from(self.radius)];
+        let mut sum = Expansion::zero();
+        self.offset(ray).iter().for_each(|f| sum.add_product(1.0, f, f));
+        sum.add_product(-1.0, &r, &r);
+        sum
+    }
+
+    /// `(f . d)^2 - |d|^2 (|f|^2 - r^2)` exactly: at most degree 4 in the inputs, so a multiple of 2^-596 below 2^520.
+    #[cold]
+    fn discriminant(&self, ray: &Ray) -> Expansion {
+        let (mut b, mut a) = (Expansion::zero(), Expansion::zero());
+        for (f, d) in self.offset(ray).iter().zip(ray.direction.to_array()) {
+            let d = [f64::from(d)];
+            b.add_product(1.0, f, &d);
+            a.add_product(1.0, &d, &d);
+        }
+        let mut sum = Expansion::zero();
+        sum.add_product(1.0, b.terms(), b.terms());
+        sum.add_product(-1.0, a.terms(), self.exact_power(ray).terms());
+        sum
+    }
+}
+
 /// What the sphere tests of one ray share.
 #[derive(Clone, Copy, Debug)]
-pub struct SpherePrep {}
+pub struct SpherePrep {
+    /// The direction at unit length.
+    unit: Vec3,
+    origin: DVec3,
+    direction: DVec3,
+    /// Squared length of the direction, and its inverse. Between 2^-298 and 2^258 for f32 directions.
+    squared: f64,
+    inverse: f64,
+}
+
+impl SpherePrep {
+    fn new(ray: &Ray) -> Self {
+        let direction = ray.direction.as_dvec3();
+        let squared = direction.length_squared();
+        let unit = (direction / squared.sqrt()).as_vec3();
+        Self { unit, origin: ray.origin.as_dvec3(), direction, squared, inverse: 1.0 / squared }
+    }
+
+    /// True only if the ray's line certainly misses the sphere: the first stage, in f32.
+    ///
+    /// With `e = 2^-24`, `n` the unit direction and `f` the origin from the centre, the line misses if
+    /// `|f|^2 - (f . n)^2 > r^2`. `f . n` is known within `5 e |f|` (difference, `n`, product, two sums), so its square
+    /// within `12 e |f|^2`; `|f|^2` within `5 e |f|^2`, `r^2` within `e r^2`; the sums and the bound add less than
+    /// `4 e (|f|^2 + r^2)`. Underflow adds less than 2^-126. An `|f|^2` that overflows or is NaN makes a NaN, which is not
+    /// greater than anything.
+    #[inline]
+    fn misses(&self, origin: Vec3, sphere: &Sphere) -> bool {
+        const K: f32 = 32.0 / (1 << 24) as f32;
+        let f = origin - sphere.centre;
+        let (ff, b, rr) = (f.length_squared(), f.dot(self.unit), sphere.radius * sphere.radius);
+        ff - K * ff > b * b + (rr * (1.0 + K) + f32::MIN_POSITIVE)
+    }
+}
+
+/// Half the distance from 1 to the next f64.
+const U: f64 = f64::EPSILON / 2.0;
+
+/// The least parameter in the ray's range at which it meets the sphere.
+///
+/// It depends on nothing but the ray and the sphere, and counts as exact from here on: whichever accelerator asks, the
+/// order of hits is the same. It is the exact parameter within one unit in the last place of f32, except that rays which
+/// start on the surface and graze it may differ by more.
+#[inline]
+pub(super) fn parameter(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
+    if prep.misses(ray.origin, sphere) { None } else { roots(sphere, ray, prep) }
+}
+
+/// The rest of [`parameter`], for rays that may hit.
+///
+/// Error of the discriminant with `u = 2^-53`: `b` carries four roundings (difference, product, two sums), so it is known
+/// within `4 u |f| |d|`; the squared length and its inverse carry four more, product and product with `d` two, which makes
+/// `10 u |f|`; the sum with `f`, known within `u |f|`, adds `u |f|`. So `nearest` is known within `12 u |f|`, its squared
+/// length within `24 u |f| |nearest| + 144 u^2 |f|^2 + 3 u |nearest|^2`, and the difference from `r^2`, which is exact,
+/// adds `u |discriminant|`.
+#[inline(never)]
+fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
+    if !sphere.is_usable() {
+        return None;
+    }
+    let f = prep.origin - sphere.centre.as_dvec3();
+    let r = f64::from(sphere.radius);
+    let b = -f.dot(prep.direction);
+    let nearest = f + (b * prep.inverse) * prep.direction;
+    let (ff, ll, rr) = (f.length_squared(), nearest.length_squared(), r * r);
+    let error = U * (26.0 * (ff * ll).sqrt() + 5.0 * (ll + rr)) + 160.0 * U * U * ff;
+    let mut scaled = prep.squared * (rr - ll);
+    // 64 times the error, so that what remains of it is far below f32 in the square root too.
+    if (rr - ll).abs() <= 64.0 * error {
+        scaled = sphere.discriminant(ray).estimate();
+    }
+    let in_range = |t: f64| t >= f64::from(ray.t_min) && t <= f64::from(ray.t_max);
+    if scaled < 0.0 {
+        return None;
+    } else if scaled == 0.0 {
+        let t = b / prep.squared;
+        return in_range(t).then_some(t);
+    }
+    let q = b + scaled.sqrt().copysign(b);
+    let mut power = ff - rr;
+    // Its error is below 6 u |f|^2: 2^-30 of it at this threshold.
+    if power.abs() < ff * (1.0 / (1 << 20) as f64) {
+        power = sphere.power(ray);
+    }
+    let (s, t) = (power / q, q / prep.squared);
+    let (near, far) = if s < t { (s, t) } else { (t, s) };
+    if in_range(near) { Some(near) } else { in_range(far).then_some(far) }
+}
 
 impl Geometry for [Sphere] {
     type Prep = SpherePrep;
 
+    #[inline]
     fn len(&self) -> u32 {
         u32::try_from(<[Sphere]>::len(self)).unwrap_or(u32::MAX - 1)
     }
 
     fn bounds(&self, prim: u32) -> Aabb {
-        let s = &self[prim as usize];
-        Aabb::of_points(&[s.centre - s.radius, s.centre + s.radius])
-    }
-
-    fn prepare(&self, _ray: &Ray) -> SpherePrep {
-        SpherePrep {}
-    }
-
-    fn test(&self, prim: u32, ray: &Ray, _prep: &SpherePrep, best: &mut Best) {
-        // Placeholder until the stable test lands.
-        let s = &self[prim as usize];
-        let (f, d) = ((ray.origin - s.centre).as_dvec3(), ray.direction.as_dvec3());
-        let (a, b, r) = (d.length_squared(), -f.dot(d), f64::from(s.radius));
-        let disc = r * r - (f + b / a * d).length_squared();
-        if disc >= 0.0 {
-            let c = f.length_squared() - r * r;
-            let q = b + (a * disc).sqrt().copysign(b);
-            let (t0, t1) = (c / q, q / a);
-            best.offer(ray, t0.min(t1), prim);
-            best.offer(ray, t0.max(t1), prim);
+        let sphere = &self[prim as usize];
+        if !sphere.is_usable() {
+            return Aabb::EMPTY;
         }
+        // Outward from the exact sum, which is value plus error.
+        let down = |c: f32| {
+            let [error, value] = difference(c, sphere.radius);
+            let near = value as f32;
+            if f64::from(near) > value || (f64::from(near) == value && error < 0.0) { near.next_down() } else { near }
+        };
+        let up = |c: f32| -down(-c);
+        let [x, y, z] = sphere.centre.to_array();
+        Aabb { min: Vec3::new(down(x), down(y), down(z)), max: Vec3::new(up(x), up(y), up(z)) }
+    }
+
+    #[inline]
+    fn prepare(&self, ray: &Ray) -> SpherePrep {
+        SpherePrep::new(ray)
+    }
+
+    #[inline]
+    fn test(&self, prim: u32, ray: &Ray, prep: &SpherePrep, best: &mut Best) {
+        if let Some(t) = parameter(&self[prim as usize], ray, prep) {
+            best.offer(ray, t, prim);
+        }
+    }
+
+    fn round(&self, _ray: &Ray, best: &Best) -> f32 {
+        best.t() as f32 + 0.0 // -0 becomes 0
+    }
+
+    /// False if the box lies outside the ball or strictly inside it: only the surface counts.
+    fn overlaps(&self, prim: u32, cell: &Cell) -> bool {
+        let sphere = &self[prim as usize];
+        if !sphere.is_usable() {
+            return false;
+        }
+        // Differences, squares and sums of what is at least 0 carry six roundings in all: 8 u covers them.
+        const SLACK: f64 = 8.0 * U;
+        let centre = sphere.centre.as_dvec3();
+        let rr = f64::from(sphere.radius) * f64::from(sphere.radius);
+        let (below, above) = (cell.min - centre, centre - cell.max);
+        let least = below.max(above).max(DVec3::ZERO).length_squared();
+        let greatest = below.abs().max(above.abs()).length_squared();
+        !(least * (1.0 - SLACK) > rr || greatest * (1.0 + SLACK) < rr)
     }
 }

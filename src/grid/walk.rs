@@ -56,7 +56,8 @@ impl Walk {
             return Start::TooFar;
         }
         let range = (f64::from(ray.t_min), f64::from(ray.t_max));
-        let Some((t_start, t_end)) = clip(origin, direction, (DVec3::ZERO, size), range) else { return Start::Miss };
+        let inverse = direction.recip();
+        let Some((t_start, t_end)) = clip(origin, inverse, (DVec3::ZERO, size), range) else { return Start::Miss };
         let entry = origin + t_start * direction;
         let [nx, ny, _] = frame.resolution.map(|n| n as isize);
         let strides = [1, nx, nx * ny];
@@ -65,7 +66,7 @@ impl Walk {
             t_next: [f64::INFINITY; 3],
             plane: [0.0; 3],
             origin: origin.to_array(),
-            inverse: [f64::INFINITY; 3],
+            inverse: inverse.to_array(),
             sign: [1.0; 3],
             stride: strides,
             left: [0; 3],
@@ -89,7 +90,6 @@ impl Walk {
             } else {
                 continue;
             }
-            walk.inverse[axis] = 1.0 / d;
             walk.t_next[axis] = (walk.plane[axis] - walk.origin[axis]) * walk.inverse[axis];
         }
         walk.voxel = frame.index(first);

@@ -1,1 +1,11 @@
-//! Interleaved measurements of several accelerators on the same rays.
+//! Interleaved measurements of several accelerators on the same rays, and the check that their answers are equal.
+
+mod compare;
+mod machine;
+pub mod npy;
+mod random;
+mod rays;
+
+pub use compare::{Build, Comparison, Difference, Kind, Rate, Rounds, Row, compare, compare_with};
+pub use machine::Machine;
+pub use rays::{Query, RayKind, RayOptions, RaySet, ray_sets};

@@ -94,7 +94,7 @@ impl Spec {
 }
 
 /// Bytes as a number, with `K`, `M`, `G` or `T` for powers of 1024.
-pub(super) fn parse_bytes(text: &str) -> Option<u64> {
+pub(crate) fn parse_bytes(text: &str) -> Option<u64> {
     let (digits, shift) = match text.char_indices().last()? {
         (i, 'K') => (&text[..i], 10),
         (i, 'M') => (&text[..i], 20),

@@ -1,14 +1,29 @@
 //! The path tracer, generic over the accelerator.
 
+mod check;
 mod film;
+mod frame;
 mod integrator;
+mod light;
 mod sampler;
+mod scatter;
+mod spawn;
+mod texture;
+mod tiles;
+mod tracer;
+mod view;
 
-pub use film::Film;
+pub use check::omissions;
+pub use film::{Film, RenderStats};
 
 use crate::accel::Accel;
 use crate::error::Result;
+use crate::ray::Ray;
 use crate::scene::Scene;
+use glam::DVec3;
+use integrator::{features, path, whitted};
+use sampler::{PixelSamples, Samples};
+use tracer::{Stage, Tracer};
 
 /// What is computed for each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,13 +105,79 @@ impl Default for Settings {
 
 /// Renders `scene`; calls `progress` with the number of finished and of all tiles, from any thread.
 ///
+/// The film is equal to the bit for every number of threads, every accelerator that answers exactly, and every crop
+/// that contains a pixel. What an integrator leaves out of a scene, [`omissions`] says.
+///
 /// # Errors
-/// A size or count is zero or beyond what memory allows; the crop lies outside the picture.
+/// A size or count is zero or beyond what memory allows; the crop lies outside the picture; `max_depth` is 0, or above
+/// 256 for [`Integrator::Whitted`] and 65536 for the others; the camera has no view; a material or texture is out of its
+/// stated range.
 pub fn render<A: Accel + ?Sized>(
-    _scene: &Scene,
-    _accel: &A,
-    _settings: &Settings,
-    _progress: &(dyn Fn(usize, usize) + Sync),
+    scene: &Scene,
+    accel: &A,
+    settings: &Settings,
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Film> {
-    unimplemented!()
+    let area = check::settings(settings)?;
+    check::scene(scene)?;
+    let bounds = accel.bounds();
+    let stage = Stage {
+        scene,
+        lights: light::Lights::new(scene, &bounds),
+        spawner: spawn::Spawner::new(&bounds),
+        max_depth: settings.max_depth,
+        rr_depth: settings.rr_depth,
+    };
+    let job = Job { stage: &stage, accel, settings, area, progress };
+    match settings.integrator {
+        Integrator::Path => job.run(|tracer, ray, samples| path::radiance(tracer, ray, samples, path::Share::Power)),
+        Integrator::Whitted => job.run(|tracer, ray, _| whitted::radiance(tracer, &ray)),
+        Integrator::Depth => job.run(|tracer, ray, _| features::depth(tracer, &ray)),
+        Integrator::Normal => job.run(|tracer, ray, _| features::normal(tracer, &ray)),
+        Integrator::Prim => job.run(|tracer, ray, _| features::prim(tracer, &ray)),
+        Integrator::Steps => job.run(|tracer, ray, _| features::steps(tracer, &ray)),
+    }
+}
+
+/// One picture to make, checked.
+struct Job<'a, A: ?Sized> {
+    stage: &'a Stage<'a>,
+    accel: &'a A,
+    settings: &'a Settings,
+    area: Crop,
+    progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl<A: Accel + ?Sized> Job<'_, A> {
+    /// Makes it: `radiance` says what a camera ray brings back.
+    fn run(&self, radiance: impl Fn(&mut Tracer<A>, Ray, &Samples) -> DVec3 + Sync) -> Result<Film> {
+        let Settings { width, height, sampler, seed, threads, .. } = *self.settings;
+        let view = view::View::new(&self.stage.scene.camera, width, height)?;
+        let count = sampler.samples();
+        let pixel = |tracer: &mut Tracer<A>, x: u32, y: u32| {
+            let pixel = PixelSamples::new(sampler, seed, x, y);
+            let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
+            for index in 0..count {
+                let samples = pixel.sample(index);
+                let [dx, dy] = samples.offset();
+                let ray = view.ray(f64::from(x) + dx, f64::from(y) + dy);
+                let value = radiance(tracer, ray, &samples);
+                if value.is_finite() {
+                    sum += value;
+                    squares += value * value;
+                } else {
+                    tracer.stats.discarded += 1;
+                }
+            }
+            (sum, squares)
+        };
+        let tile = |part: Crop, pixels: &mut Vec<tiles::Sums>| {
+            let mut tracer = Tracer::new(self.stage, self.accel);
+            for y in part.y..part.y + part.height {
+                pixels.extend((part.x..part.x + part.width).map(|x| pixel(&mut tracer, x, y)));
+            }
+            tracer.stats
+        };
+        tiles::film(self.area, count, threads, self.progress, &tile)
+    }
 }

@@ -34,3 +34,34 @@ pub enum Light {
         irradiance: Vec3,
     },
 }
+
+impl Light {
+    /// The first value outside its range, in words.
+    pub(super) fn defect(&self) -> Option<String> {
+        let point = |what: &str, p: DVec3| (!p.is_finite()).then(|| format!("{what} {p} is not finite"));
+        let unit = |p: DVec3| (!p.is_normalized()).then(|| format!("direction {p} is not a unit vector"));
+        let radiant = |what: &str, c: Vec3| {
+            let good = c.is_finite() && c.min_element() >= 0.0;
+            (!good).then(|| format!("{what} {c} is not finite or negative"))
+        };
+        match *self {
+            Light::Point { position, intensity } => {
+                point("position", position).or_else(|| radiant("intensity", intensity))
+            }
+            Light::Spot { position, direction, intensity, cutoff, beam_width } => point("position", position)
+                .or_else(|| unit(direction))
+                .or_else(|| radiant("intensity", intensity))
+                .or_else(|| {
+                    (!(cutoff > 0.0 && cutoff <= 90.0))
+                        .then(|| format!("cutoff {cutoff} is not within 0 to 90 degrees"))
+                })
+                .or_else(|| {
+                    let good = beam_width >= 0.0 && beam_width <= cutoff;
+                    (!good).then(|| format!("beam width {beam_width} is not within 0 and the cutoff {cutoff}"))
+                }),
+            Light::Directional { direction, irradiance } => {
+                unit(direction).or_else(|| radiant("irradiance", irradiance))
+            }
+        }
+    }
+}

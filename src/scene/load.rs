@@ -1,9 +1,14 @@
-//! Picks the loader by name and extension; lays primitives out; answers what shading asks of a hit.
+//! Picks the loader by name and extension, and refuses or drops what is not finite.
 
-use super::{Scene, SceneParts, Surface};
-use crate::accel::Hit;
-use crate::error::Result;
-use crate::ray::Ray;
+use super::assemble::assemble;
+use super::{Mesh, Scene, SceneParts, file, procedural, raw};
+use crate::error::{Error, Result};
+use glam::{Vec2, Vec3};
+use std::io::Read;
+use std::path::Path;
+
+/// Most bytes of one input file.
+const MAX_FILE: u64 = 1 << 32;
 
 /// How to read a scene.
 #[derive(Clone, Debug, Default)]
@@ -15,16 +20,133 @@ pub struct LoadOptions {
 /// Reads `spec`: the path of a .toml, .gltf, .glb, .obj, .tri or .sph file, or the name of a procedural scene with
 /// options, such as `random:n=10000`.
 ///
+/// Files with a coordinate that is not finite are refused unless `options` says otherwise; but .tri and .sph files keep
+/// all primitives, so that indices stay as in the file: bad ones are never hit, and a warning counts them.
+///
 /// # Errors
 /// The file cannot be read or is not usable: the message names the file, the place and the cause.
-pub fn load(_spec: &str, _options: &LoadOptions) -> Result<Scene> {
-    unimplemented!()
+pub fn load(spec: &str, options: &LoadOptions) -> Result<Scene> {
+    let path = Path::new(spec);
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let parts = match extension.as_deref() {
+        Some("toml") => file::read(path, options)?,
+        Some("tri") => bare_triangles(path)?,
+        Some("sph") => bare_spheres(path)?,
+        Some("obj" | "gltf" | "glb") => read_mesh_file(path, options)?,
+        _ => procedural::parse(spec)?,
+    };
+    assemble(parts, spec)
 }
 
-pub(super) fn assemble(_parts: SceneParts) -> Result<Scene> {
-    unimplemented!()
+/// Reads a .gltf, .glb or .obj file; every coordinate that is left is finite.
+pub(super) fn read_mesh_file(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let mut parts = match extension.as_deref() {
+        #[cfg(feature = "gltf")]
+        Some("gltf" | "glb") => super::gltf::read(path, options)?,
+        #[cfg(feature = "obj")]
+        Some("obj") => super::obj::read(path, options)?,
+        _ => return Err(Error::malformed(path, "not a kind of mesh file that is read (.gltf, .glb, .obj)")),
+    };
+    make_finite(&mut parts, path, options)?;
+    Ok(parts)
 }
 
-pub(super) fn surface(_scene: &Scene, _ray: &Ray, _hit: Hit) -> Surface {
-    unimplemented!()
+/// The name of a scene file without folder and extension.
+pub(super) fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy().into_owned())
+}
+
+/// The whole file, if it is a regular file of a size that can be meant.
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let io = |source| Error::io(path, source);
+    // Asked before opening: opening a pipe would wait for a writer.
+    let meta = std::fs::metadata(path).map_err(io)?;
+    if !meta.is_file() {
+        return Err(Error::malformed(path, "not a regular file"));
+    }
+    if meta.len() > MAX_FILE {
+        return Err(Error::malformed(path, format!("{} bytes, at most {MAX_FILE} are read", meta.len())));
+    }
+    let mut bytes = Vec::new();
+    let wanted = usize::try_from(meta.len()).unwrap_or(usize::MAX);
+    bytes.try_reserve_exact(wanted).map_err(|_| Error::TooLarge {
+        what: path.display().to_string(),
+        wanted: meta.len(),
+        allowed: 0,
+    })?;
+    std::fs::File::open(path).map_err(io)?.take(MAX_FILE).read_to_end(&mut bytes).map_err(io)?;
+    Ok(bytes)
+}
+
+fn bare_triangles(path: &Path) -> Result<SceneParts> {
+    let triangles = raw::read_triangles(path)?;
+    let count = u32::try_from(triangles.len()).ok().filter(|n| n.checked_mul(3).is_some());
+    let Some(count) = count else {
+        return Err(Error::malformed(path, format!("{} triangles are too many", triangles.len())));
+    };
+    let bad = triangles.iter().filter(|t| !t.iter().all(|p| p.is_finite())).count();
+    let mesh = Mesh {
+        name: stem(path),
+        positions: triangles.into_flattened(),
+        triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        ..Mesh::default()
+    };
+    Ok(SceneParts { name: stem(path), meshes: vec![mesh], warnings: never_hit(path, bad), ..SceneParts::default() })
+}
+
+fn bare_spheres(path: &Path) -> Result<SceneParts> {
+    let spheres: Vec<_> = raw::read_spheres(path)?.into_iter().map(|s| (s, 0)).collect();
+    let good = |r: f32| r >= 0.0 && r.is_finite();
+    let bad = spheres.iter().filter(|(s, _)| !(s.centre.is_finite() && good(s.radius))).count();
+    Ok(SceneParts { name: stem(path), spheres, warnings: never_hit(path, bad), ..SceneParts::default() })
+}
+
+fn never_hit(path: &Path, bad: usize) -> Vec<String> {
+    let warning = || format!("{}: {bad} primitives are not finite and are never hit", path.display());
+    (bad > 0).then(warning).into_iter().collect()
+}
+
+/// Refuses vertices that are not finite, or drops the triangles that use them.
+fn make_finite(parts: &mut SceneParts, path: &Path, options: &LoadOptions) -> Result<()> {
+    let mut dropped = 0;
+    for (m, mesh) in parts.meshes.iter_mut().enumerate() {
+        let Some(v) = (0..mesh.positions.len()).find(|&v| !vertex_is_finite(mesh, v)) else { continue };
+        if !options.drop_invalid {
+            let name = &mesh.name;
+            let cause = format!("mesh {m} `{name}`: vertex {v}: {} is not finite", vertex_defect(mesh, v));
+            return Err(Error::malformed(path, cause));
+        }
+        let bad: Vec<bool> = (0..mesh.positions.len()).map(|v| !vertex_is_finite(mesh, v)).collect();
+        let before = mesh.triangles.len();
+        // An index out of range stays, for `Scene::new` to name.
+        mesh.triangles.retain(|t| t.iter().all(|&i| bad.get(i as usize) != Some(&true)));
+        dropped += before - mesh.triangles.len();
+        // Nothing refers to these vertices any more; exporters write them all the same.
+        for v in (0..bad.len()).filter(|&v| bad[v]) {
+            mesh.positions[v] = Vec3::ZERO;
+            mesh.normals.get_mut(v).into_iter().for_each(|n| *n = Vec3::ZERO);
+            mesh.uvs.get_mut(v).into_iter().for_each(|uv| *uv = Vec2::ZERO);
+        }
+    }
+    if dropped > 0 {
+        parts.warnings.push(format!("{}: dropped {dropped} triangles that are not finite", path.display()));
+    }
+    Ok(())
+}
+
+fn vertex_is_finite(mesh: &Mesh, v: usize) -> bool {
+    mesh.positions[v].is_finite()
+        && mesh.normals.get(v).is_none_or(|n| n.is_finite())
+        && mesh.uvs.get(v).is_none_or(|uv| uv.is_finite())
+}
+
+fn vertex_defect(mesh: &Mesh, v: usize) -> String {
+    if !mesh.positions[v].is_finite() {
+        format!("position {}", mesh.positions[v])
+    } else if let Some(n) = mesh.normals.get(v).filter(|n| !n.is_finite()) {
+        format!("normal {n}")
+    } else {
+        format!("texture coordinate {}", mesh.uvs.get(v).copied().unwrap_or_default())
+    }
 }

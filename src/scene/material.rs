@@ -13,6 +13,37 @@ pub struct Material {
     pub emission: Vec3,
 }
 
+impl Material {
+    /// The material of whatever has none: Lambert, albedo 0.5.
+    pub fn grey() -> Self {
+        let bsdf = Bsdf::Lambert { albedo: Vec3::splat(0.5), texture: None };
+        Self { name: "grey".into(), bsdf, emission: Vec3::ZERO }
+    }
+
+    /// The first value outside its range, in words.
+    pub(super) fn defect(&self) -> Option<String> {
+        let share = |what: &str, c: Vec3| {
+            let good = c.is_finite() && c.min_element() >= 0.0 && c.max_element() <= 1.0;
+            (!good).then(|| format!("{what} {c} is not within 0 to 1"))
+        };
+        let radiance = |what: &str, c: Vec3| {
+            let good = c.is_finite() && c.min_element() >= 0.0;
+            (!good).then(|| format!("{what} {c} is not finite or negative"))
+        };
+        radiance("emission", self.emission).or_else(|| match self.bsdf {
+            Bsdf::Lambert { albedo, .. } => share("albedo", albedo),
+            Bsdf::Mirror { reflectance } => share("reflectance", reflectance),
+            Bsdf::Dielectric { ior } => {
+                (!(ior > 0.0 && ior.is_finite())).then(|| format!("index of refraction {ior} is not above 0"))
+            }
+            Bsdf::Conductor { eta, k, reflectance, alpha } => radiance("eta", eta)
+                .or_else(|| radiance("k", k))
+                .or_else(|| share("reflectance", reflectance))
+                .or_else(|| (!(alpha > 0.0 && alpha <= 1.0)).then(|| format!("alpha {alpha} is not within 0 to 1"))),
+        })
+    }
+}
+
 /// How a surface scatters light. Colours are linear RGB, 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Bsdf {

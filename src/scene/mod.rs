@@ -1,20 +1,26 @@
 //! What is rendered: primitives in world space, materials, lights, camera; and where it comes from.
 
+mod assemble;
 mod camera;
+mod export;
 pub mod file;
 #[cfg(feature = "gltf")]
-mod gltf;
+pub mod gltf;
 mod light;
 mod load;
 mod material;
 pub mod mitsuba;
 #[cfg(feature = "obj")]
-mod obj;
+pub mod obj;
 pub mod povray;
 pub mod procedural;
 pub mod raw;
+mod surface;
+mod texture;
+mod transform;
 
 pub use camera::{Camera, CameraSource};
+pub use export::ExportSettings;
 pub use light::Light;
 pub use load::{LoadOptions, load};
 pub use material::{Bsdf, Filter, Material, Texture};
@@ -53,6 +59,15 @@ pub struct Mesh {
     pub uvs: Vec<Vec2>,
     /// Index in [`Scene::materials`].
     pub material: u32,
+}
+
+impl Mesh {
+    /// The first triangle that refers to a vertex that does not exist, with that index.
+    pub(crate) fn first_bad_index(&self) -> Option<(usize, u32)> {
+        let count = self.positions.len();
+        let bad = |t: &[u32; 3]| t.iter().copied().find(|&i| i as usize >= count);
+        self.triangles.iter().enumerate().find_map(|(i, t)| Some((i, bad(t)?)))
+    }
 }
 
 /// What shading needs to know about a hit, in f64.
@@ -99,6 +114,8 @@ pub struct Scene {
     pub defaults: RenderDefaults,
     /// What was odd but usable in the input, one sentence each, naming the file.
     pub warnings: Vec<String>,
+    /// What was chosen where the input is silent (default light, say), one sentence each.
+    pub notes: Vec<String>,
 }
 
 /// What a scene file asks of the renderer, where it does.
@@ -137,16 +154,24 @@ pub struct SceneParts {
     pub defaults: RenderDefaults,
     /// See [`Scene::warnings`].
     pub warnings: Vec<String>,
+    /// See [`Scene::notes`].
+    pub notes: Vec<String>,
 }
 
 impl Scene {
-    /// Lays the parts out in one index space and frames a camera if there is none.
+    /// Lays the parts out in one index space, and adds what they lack, each with an entry in [`Scene::notes`]: a camera
+    /// framed around the bounds ([`Camera::framed`]); and, where nothing emits light, a constant environment of 0.6
+    /// with a directional light over the camera's left shoulder of 0.4 pi, so that no diffuse surface is brighter than
+    /// its albedo. A scene without primitives is legal, with a warning. Primitives that are not finite are kept and
+    /// never hit; only the loaders refuse them.
     ///
     /// # Errors
     /// A triangle refers to a vertex, or anything to a material or texture, that does not exist; normals or texture
-    /// coordinates differ in number from the positions; more than 2^32 - 2 primitives.
+    /// coordinates differ in number from the positions; a texture's size differs from its texels; a light or the camera
+    /// is not finite; more than 2^32 - 2 primitives, or more than memory holds.
     pub fn new(parts: SceneParts) -> Result<Scene> {
-        load::assemble(parts)
+        let origin = parts.name.clone();
+        assemble::assemble(parts, &origin)
     }
 
     /// Number of triangles; spheres come after them.
@@ -166,8 +191,13 @@ impl Scene {
         }
     }
 
-    /// What shading needs at `hit` of `ray`.
+    /// What shading needs at `hit` of `ray`, which comes from an accelerator over [`Scene::geometry`].
+    ///
+    /// The parameter is computed afresh in f64, so the point lies on the ray and on the primitive; where that strays
+    /// from `hit.t` (a grazed triangle), the point of `hit.t` is projected onto the primitive instead. An interpolated
+    /// normal that is degenerate gives way to the geometric one; one on the other side of it is negated, so that
+    /// normals that disagree with the winding shade as if they agreed.
     pub fn surface(&self, ray: &Ray, hit: Hit) -> Surface {
-        load::surface(self, ray, hit)
+        surface::surface(self, ray, hit)
     }
 }

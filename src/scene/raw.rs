@@ -246,3 +246,84 @@ impl<'a> Input<'a> {
         ))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file of the given bytes that is removed at the end.
+    struct Temporary(std::path::PathBuf);
+
+    impl Temporary {
+        fn new(name: &str, bytes: &[u8]) -> Self {
+            let path = std::env::temp_dir().join(format!("skipgrid-raw-{}-{name}", std::process::id()));
+            std::fs::write(&path, bytes).expect("the folder for temporary files can be written");
+            Self(path)
+        }
+    }
+
+    impl Drop for Temporary {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_file(&self.0);
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_to_the_bit() {
+        let file = Temporary::new("round-trip", b"");
+        let v = |i: u32| Vec3::new(i as f32, -0.0, f32::from_bits(i));
+        let triangles = [[v(1), v(2), v(3)], [v(4), v(5), v(6)]];
+        write_triangles(&file.0, &triangles).expect("written");
+        assert_eq!(read_triangles(&file.0).expect("read"), triangles);
+        let spheres = [Sphere { centre: v(7), radius: 0.5 }];
+        write_spheres(&file.0, &spheres).expect("written");
+        assert_eq!(read_spheres(&file.0).expect("read"), spheres);
+        let rays = [Ray::new(v(8), v(9)).with_range(f32::NEG_INFINITY, 3.0)];
+        write_rays(&file.0, &rays).expect("written");
+        assert_eq!(read_rays(&file.0).expect("read"), rays);
+        write_rays(&file.0, &[]).expect("written");
+        assert_eq!(read_rays(&file.0).expect("read"), []);
+    }
+
+    #[test]
+    fn malformed_files_say_what_is_wrong() {
+        let cases: [(&str, &[u8], &str); 5] = [
+            ("short", b"TR", "ends at byte 2 within the magic number that starts at 0"),
+            ("magic", b"RAY1\0\0\0\0", "starts with `RAY1`, not `TRI1`"),
+            ("count", b"TRI1\x01\0\0\0abcd", "1 items take at least 36 bytes, 4 are left"),
+            ("huge", b"TRI1\xff\xff\xff\xff", "4294967295 items take at least 154618822620 bytes, 0 are left"),
+            ("trailing", b"TRI1\0\0\0\0ab", "2 bytes follow the last record at byte 8"),
+        ];
+        for (name, bytes, expected) in cases {
+            let file = Temporary::new(name, bytes);
+            let error = read_triangles(&file.0).expect_err(name).to_string();
+            assert!(error.ends_with(expected) && error.contains(name), "{name}: {error}");
+        }
+        assert!(read_rays("/no/such/file").expect_err("no file").to_string().starts_with("/no/such/file: "));
+    }
+
+    #[test]
+    fn records_are_checked() {
+        let words = |w: &[u32]| w.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+        // Magic, count, flags; hit, verdict, t = 1.0 in two words, two primitives, no acceptable hit.
+        let good = [0x3155_5254, 1, 1, 1, 2, 0, 0x3ff0_0000, 2, 4, 9, 0];
+        let truth = read_truth(&Temporary::new("good", &words(&good)).0).expect("read");
+        let answer =
+            Answer { hit: true, tolerated: Tolerated::Either, t: 1.0, prims: vec![4, 9], acceptable: Vec::new() };
+        assert_eq!(truth, Truth { all_hit: true, answers: vec![answer] });
+        for (at, value, expected) in [
+            (1, 2, "2 items take at least 48 bytes, 32 are left"),
+            (3, 7, "record 0: hit is 7, not 0 or 1"),
+            (3, 0, "record 0: hit is false with 2 primitives"),
+            (4, 3, "record 0: verdict is 3, not 0, 1 or 2"),
+            (7, 9, "9 items take at least 36 bytes, 12 are left"),
+            (7, 3, "ends at byte 44 within the count of acceptable hits that starts at 44"),
+            (10, u32::MAX, "4294967295 items take at least 85899345900 bytes, 0 are left"),
+        ] {
+            let mut bad = good;
+            bad[at] = value;
+            let error = read_truth(&Temporary::new("bad", &words(&bad)).0).expect_err(expected).to_string();
+            assert!(error.ends_with(expected), "{error}");
+        }
+    }
+}

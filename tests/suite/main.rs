@@ -3,6 +3,7 @@ mod cli;
 mod conformance;
 mod export;
 mod malformed;
+mod mesh_files;
 mod pictures;
 mod random;
 mod render;
@@ -10,3 +11,15 @@ mod scenes;
 mod tidy;
 mod truth;
 mod validate;
+
+/// A file or folder of the data that lies beside the repository (or where `SKIPGRID_SHARED` says), if it is there.
+pub fn shared(name: &str) -> Option<std::path::PathBuf> {
+    let beside = || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+    let folder = std::env::var_os("SKIPGRID_SHARED").map_or_else(beside, Into::into);
+    let path = folder.join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("skipped: {} is not there", path.display());
+    None
+}

@@ -1,1 +1,173 @@
 //! The tree keeps its own rules.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Modules and what they may use of the others. Each uses only what stands above it: there is no cycle.
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("error", &[]),
+    ("ray", &[]),
+    ("picture", &["error"]),
+    ("geometry", &["error", "ray"]),
+    ("accel", &["geometry", "ray"]),
+    ("grid", &["accel", "error", "geometry", "ray"]),
+    ("adapters", &["accel", "error", "geometry", "ray"]),
+    // Only the registry names an adapter.
+    ("registry", &["accel", "adapters", "error", "geometry", "grid"]),
+    ("scene", &["accel", "error", "geometry", "picture", "ray", "registry"]),
+    // The renderer knows no accelerator by name.
+    ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
+    ("validate", &["accel", "error", "picture", "render", "scene"]),
+    ("measure", &["accel", "error", "ray", "scene"]),
+    ("cli", &["accel", "error", "measure", "picture", "ray", "registry", "render", "scene", "validate"]),
+];
+
+/// Files above this many lines do more than one thing.
+const MOST_LINES: usize = 600;
+
+/// Where unsafe code may stand: calls into other languages.
+const UNSAFE_ALLOWED: &[&str] = &["adapters/accel/embree.rs", "adapters/capi"];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Rust files below the folders, as paths relative to the package.
+fn rust_files(folders: &[&str]) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut open: Vec<PathBuf> = folders.iter().map(|f| root().join(f)).filter(|f| f.is_dir()).collect();
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder of the package is readable") {
+            let path = entry.expect("a folder of the package is readable").path();
+            if path.is_dir() && !path.ends_with("target") {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                files.push(path.strip_prefix(root()).expect("below the package").to_path_buf());
+            }
+        }
+    }
+    files.sort();
+    assert!(!files.is_empty(), "{folders:?} has no Rust file");
+    files
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(root().join(path)).expect("a file of the package is readable")
+}
+
+/// The lines of code without comments.
+fn code(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map(|line| line.split("//").next().unwrap_or(""))
+}
+
+/// The module that a file of `src` or `adapters` belongs to.
+fn module(path: &Path) -> String {
+    if path.starts_with("adapters") {
+        return "adapters".into();
+    }
+    let inner = path.strip_prefix("src").expect("a file of src");
+    let first = inner.components().next().expect("a file has a name").as_os_str().to_string_lossy();
+    first.trim_end_matches(".rs").to_string()
+}
+
+/// Modules that follow `crate::` in `line`.
+fn used(line: &str) -> Vec<&str> {
+    let ends = |c: char| !c.is_alphanumeric() && c != '_';
+    line.split("crate::").skip(1).map(|rest| rest.split(ends).next().unwrap_or("")).collect()
+}
+
+#[test]
+fn modules_use_only_what_they_may() {
+    for (i, (name, allowed)) in MAY_USE.iter().enumerate() {
+        let above: Vec<&str> = MAY_USE[..i].iter().map(|(name, _)| *name).collect();
+        assert!(allowed.iter().all(|a| above.contains(a)), "{name} may use something below it");
+    }
+    let mut faults = Vec::new();
+    let mut seen = 0;
+    for path in rust_files(&["src", "adapters/accel"]) {
+        let module = module(&path);
+        if ["lib", "main"].contains(&module.as_str()) {
+            continue;
+        }
+        let allowed = MAY_USE.iter().find(|(name, _)| *name == module).map(|(_, allowed)| *allowed);
+        let allowed = allowed.unwrap_or_else(|| panic!("{}: the table lacks `{module}`", path.display()));
+        let text = read(&path);
+        // Tests at the foot of a file may use anything.
+        let body = text.split("#[cfg(test)]\nmod tests").next().unwrap_or("");
+        for (number, line) in code(body).enumerate() {
+            for name in used(line) {
+                seen += 1;
+                // `crate::{a, b}` hides what is used; `crate::Result` and the like are re-exports.
+                let fine = name == module || allowed.contains(&name) || name.starts_with(char::is_uppercase);
+                if !fine {
+                    faults.push(format!("{}:{}: `{module}` uses `{name}`", path.display(), number + 1));
+                }
+            }
+        }
+    }
+    assert!(seen > 50, "the search finds next to nothing");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn files_are_short_and_say_what_they_are_for() {
+    for path in rust_files(&["src", "adapters", "tests", "examples", "benches"]) {
+        let text = read(&path);
+        let lines = text.lines().count();
+        assert!(lines <= MOST_LINES, "{}: {lines} lines, at most {MOST_LINES}", path.display());
+        assert!(text.starts_with("//! "), "{} does not start with `//! `", path.display());
+    }
+}
+
+#[test]
+fn nothing_is_left_undone() {
+    let marks = ["todo!", "unimplemented!", "dbg!"].map(|mark| format!("{mark}{}", '('));
+    for path in rust_files(&["src", "adapters", "tests", "examples"]) {
+        let text = read(&path);
+        for (number, line) in code(&text).enumerate() {
+            for mark in &marks {
+                assert!(!line.contains(mark.as_str()), "{}:{}: {mark}", path.display(), number + 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn unsafe_code_stands_only_where_allowed() {
+    for path in rust_files(&["src", "adapters", "tests", "examples"]) {
+        if UNSAFE_ALLOWED.iter().any(|allowed| path.starts_with(allowed)) {
+            continue;
+        }
+        let word = ["un", "safe"].concat();
+        let text = read(&path);
+        for (number, line) in code(&text).enumerate() {
+            let mut words = line.split(|c: char| !c.is_alphanumeric() && c != '_');
+            assert!(!words.any(|w| w == word), "{}:{}: {line}", path.display(), number + 1);
+        }
+    }
+}
+
+#[test]
+fn only_the_program_prints() {
+    let marks = ["print!", "println!", "eprint!", "eprintln!"].map(|mark| format!("{mark}{}", '('));
+    for path in rust_files(&["src", "adapters/accel"]) {
+        if path.starts_with("src/cli") {
+            continue;
+        }
+        let text = read(&path);
+        for (number, line) in code(&text).enumerate() {
+            let found = marks.iter().find(|mark| line.contains(mark.as_str()));
+            assert_eq!(found, None, "{}:{}", path.display(), number + 1);
+        }
+    }
+}
+
+#[test]
+fn the_commands_of_the_readme_are_run_before_every_release() {
+    let (readme, script) = (read(Path::new("README.md")), read(Path::new(".ci/run")));
+    let runs: Vec<&str> = script.lines().map(str::trim).collect();
+    for command in ["cargo run --release -- validate", "cargo test"] {
+        assert!(readme.lines().any(|line| line.trim() == command), "the README does not say `{command}`");
+        assert!(runs.contains(&command), ".ci/run does not run `{command}`");
+    }
+}

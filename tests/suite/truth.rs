@@ -1,4 +1,4 @@
-//! Brute force against the exact records of the stiff catalogue.
+//! Every accelerator against the exact records of the stiff catalogue.
 //!
 //! The records are an archive beside the project, `shared/spec/stability-truth.tar.zst`, or a folder of its files named
 //! by `SKIPGRID_TRUTH`. Without either the test says so and passes.
@@ -94,4 +94,17 @@ fn check_case(spec: &str, case: &Path) {
 #[test]
 fn brute_force_answers_exactly() {
     check("brute");
+}
+
+#[test]
+fn grids_answer_exactly() {
+    check("grid");
+    check("grid:density=20,mailbox=on");
+}
+
+#[cfg(feature = "obvhs")]
+#[test]
+fn obvhs_with_the_exact_test_answers_exactly() {
+    check("obvhs-bvh2");
+    check("obvhs-cwbvh");
 }

@@ -1,1 +1,385 @@
-//! Scenes made by formula, seeded and reproducible.
+//! Scenes made from a few numbers: the sources' test scenes and shapes for reference scenes; all seeded.
+
+mod bumpy;
+mod cars;
+mod cornell;
+mod cubes;
+mod flakes;
+mod knot;
+mod lanes;
+mod patch;
+mod random;
+mod rng;
+mod teapot;
+mod teapot_stadium;
+
+use super::{Bsdf, Camera, CameraSource, Light, Material, Mesh, RenderDefaults, SceneParts};
+use crate::error::{Error, Result};
+use crate::geometry::Sphere;
+use glam::{DVec3, Vec3};
+use std::ops::RangeInclusive;
+
+/// What a user may know about a procedural scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Name in specifications such as `random:n=1000,seed=7` and in the `type` of a scene file's `[[procedural]]`.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Options with their meanings and defaults, empty if there is none.
+    pub options: &'static str,
+    /// Which primitives have which material slot.
+    pub slots: &'static str,
+    /// Where the scene comes from.
+    pub source: &'static str,
+    keys: &'static [&'static str],
+    body: fn(&Options) -> Result<Body>,
+    stage: fn(&Options) -> Stage,
+}
+
+/// All procedural scenes, in the order of `skipgrid list`.
+pub const ENTRIES: &[Entry] = &[
+    random::ENTRY,
+    lanes::ENTRY,
+    flakes::ENTRY,
+    cars::ENTRY,
+    teapot_stadium::ENTRY,
+    teapot::ENTRY,
+    cornell::ENTRY,
+    knot::ENTRY,
+    bumpy::ENTRY,
+    cubes::ENTRY,
+];
+
+/// Options of a procedural scene; `None`: the entry's default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// A count; each entry says of what.
+    pub n: Option<u64>,
+    /// Levels of recursion.
+    pub depth: Option<u64>,
+    /// Seed of the random numbers.
+    pub seed: Option<u64>,
+}
+
+impl Options {
+    fn n(&self, default: u64, range: RangeInclusive<u64>) -> Result<u32> {
+        within("n", self.n.unwrap_or(default), range)
+    }
+
+    fn depth(&self, default: u64, range: RangeInclusive<u64>) -> Result<u32> {
+        within("depth", self.depth.unwrap_or(default), range)
+    }
+
+    fn set(&mut self, key: &str, value: u64) {
+        match key {
+            "n" => self.n = Some(value),
+            "depth" => self.depth = Some(value),
+            _ => self.seed = Some(value),
+        }
+    }
+
+    fn given(&self) -> impl Iterator<Item = &'static str> {
+        let all = [("n", self.n), ("depth", self.depth), ("seed", self.seed)];
+        all.into_iter().filter_map(|(key, value)| value.map(|_| key))
+    }
+}
+
+fn within(key: &str, value: u64, range: RangeInclusive<u64>) -> Result<u32> {
+    let good = range.contains(&value).then(|| u32::try_from(value).ok()).flatten();
+    good.ok_or_else(|| Error::invalid(format!("{key}={value} is not within {} to {}", range.start(), range.end())))
+}
+
+/// Geometry; materials are slot numbers, to be taken modulo the number of materials.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Body {
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) spheres: Vec<(Sphere, u32)>,
+}
+
+/// What makes a scene of a body.
+struct Stage {
+    /// The materials that slots cycle over.
+    palette: Vec<Material>,
+    /// More meshes, with materials of their own.
+    props: Vec<(Mesh, Material)>,
+    lights: Vec<Light>,
+    environment: Vec3,
+    camera: Option<Camera>,
+    defaults: RenderDefaults,
+}
+
+/// The whole scene that `spec` names: `NAME` or `NAME:key=value,..`.
+///
+/// # Errors
+/// The name or an option is unknown, or a value is out of range.
+pub fn parse(spec: &str) -> Result<SceneParts> {
+    let (name, rest) = spec.split_once(':').unwrap_or((spec, ""));
+    let entry = find(name).ok_or_else(|| {
+        let files = "a file (.toml, .gltf, .glb, .obj, .tri, .sph)";
+        Error::invalid(format!("scene `{spec}`: neither {files} nor {}", unknown(name)))
+    })?;
+    let mut options = Options::default();
+    for option in rest.split(',').filter(|o| !o.is_empty()) {
+        let bad = |cause: String| Error::invalid(format!("scene `{spec}`: option `{option}`: {cause}"));
+        let (key, value) = option.split_once('=').ok_or_else(|| bad("not of the form key=value".into()))?;
+        if !entry.keys.contains(&key) {
+            return Err(bad(format!("`{name}` takes {}", keys(entry))));
+        }
+        options.set(key, value.parse().map_err(|_| bad(format!("`{value}` is no whole number from 0 to 2^64 - 1")))?);
+    }
+    scene(entry, &options).map_err(|e| Error::invalid(format!("scene `{spec}`: {e}")))
+}
+
+/// The geometry that `name` makes; materials are slots.
+///
+/// # Errors
+/// The name is unknown, or an option is not one of the entry's or out of range.
+pub(super) fn body(name: &str, options: &Options) -> Result<Body> {
+    let entry = find(name).ok_or_else(|| Error::invalid(format!("`{name}` is not {}", unknown(name))))?;
+    if let Some(key) = options.given().find(|key| !entry.keys.contains(key)) {
+        return Err(Error::invalid(format!("`{name}` takes {}, not `{key}`", keys(entry))));
+    }
+    (entry.body)(options)
+}
+
+fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
+    let Body { mut meshes, mut spheres } = (entry.body)(options)?;
+    let Stage { palette, props, lights, environment, camera, defaults } = (entry.stage)(options);
+    let colours = palette.len().max(1) as u32;
+    meshes.iter_mut().for_each(|m| m.material %= colours);
+    spheres.iter_mut().for_each(|(_, m)| *m %= colours);
+    let mut materials = palette;
+    for (mut mesh, material) in props {
+        mesh.material = materials.len() as u32;
+        materials.push(material);
+        meshes.push(mesh);
+    }
+    let name = entry.name.to_owned();
+    Ok(SceneParts { name, meshes, spheres, materials, lights, environment, camera, defaults, ..SceneParts::default() })
+}
+
+fn find(name: &str) -> Option<&'static Entry> {
+    ENTRIES.iter().find(|e| e.name == name)
+}
+
+fn keys(entry: &Entry) -> String {
+    if entry.keys.is_empty() { "no options".into() } else { entry.keys.join(", ") }
+}
+
+fn unknown(name: &str) -> String {
+    let names: Vec<_> = ENTRIES.iter().map(|e| e.name).collect();
+    let nearest = names.iter().min_by_key(|n| edit_distance(n, name)).filter(|n| edit_distance(n, name) <= 2);
+    let hint = nearest.map(|n| format!("; did you mean `{n}`?")).unwrap_or_default();
+    format!("one of the procedural scenes {}{hint}", names.join(", "))
+}
+
+/// Levenshtein distance, for names of a few letters; long ones are infinitely far.
+fn edit_distance(a: &str, b: &str) -> usize {
+    if b.len() > 64 {
+        return usize::MAX;
+    }
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.bytes().enumerate() {
+        let mut diagonal = i;
+        row[0] = i + 1;
+        for (j, cb) in b.bytes().enumerate() {
+            let above = row[j + 1];
+            row[j + 1] = (diagonal + usize::from(ca != cb)).min(above + 1).min(row[j] + 1);
+            diagonal = above;
+        }
+    }
+    row[b.len()]
+}
+
+// What the stages share.
+
+fn lambert(name: &str, r: f32, g: f32, b: f32) -> Material {
+    let bsdf = Bsdf::Lambert { albedo: Vec3::new(r, g, b), texture: None };
+    Material { name: name.into(), bsdf, emission: Vec3::ZERO }
+}
+
+fn mirror(name: &str, share: f32) -> Material {
+    let bsdf = Bsdf::Mirror { reflectance: Vec3::splat(share) };
+    Material { name: name.into(), bsdf, emission: Vec3::ZERO }
+}
+
+/// White light that travels along (x, y, z).
+fn sun(x: f64, y: f64, z: f64, irradiance: f32) -> Light {
+    Light::Directional { direction: DVec3::new(x, y, z).normalize(), irradiance: Vec3::splat(irradiance) }
+}
+
+fn look(origin: [f64; 3], target: [f64; 3], up: DVec3, yfov: f64) -> Option<Camera> {
+    let (origin, target) = (DVec3::from_array(origin), DVec3::from_array(target));
+    Some(Camera { origin, target, up, yfov, source: CameraSource::File })
+}
+
+/// Daylight for a body that is seen by itself: a sun over the left shoulder and a dim sky; the camera is framed.
+fn daylight(palette: Vec<Material>) -> Stage {
+    Stage {
+        palette,
+        props: Vec::new(),
+        lights: vec![sun(-0.3, -0.8, -0.5, 2.0)],
+        environment: Vec3::splat(0.3),
+        camera: None,
+        defaults: RenderDefaults::default(),
+    }
+}
+
+/// A square at the given height, `half` to each side of (x, z) = (0, 0); its front looks up.
+fn floor(y: f32, half: f32) -> Mesh {
+    Mesh {
+        name: "floor".into(),
+        positions: vec![
+            Vec3::new(-half, y, half),
+            Vec3::new(half, y, half),
+            Vec3::new(half, y, -half),
+            Vec3::new(-half, y, -half),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+/// The six outward quads of a box whose corner `i` is `corner(i & 1, i >> 1 & 1, i >> 2)`, two triangles each.
+fn box_mesh(name: &str, corner: impl Fn(bool, bool, bool) -> DVec3) -> Mesh {
+    let positions = (0..8_u8).map(|i| corner(i & 1 != 0, i & 2 != 0, i & 4 != 0).as_vec3()).collect();
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh { name: name.into(), positions, triangles, ..Mesh::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn made(spec: &str) -> SceneParts {
+        parse(spec).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// Six times the volume that the mesh's outward triangles enclose.
+    fn volume6(mesh: &Mesh) -> f64 {
+        let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
+        mesh.triangles.iter().map(|&[a, b, c]| corner(a).dot(corner(b).cross(corner(c)))).sum()
+    }
+
+    /// Triangles whose front disagrees with a normal at a corner.
+    fn turned(mesh: &Mesh) -> usize {
+        let against = |t: &&[u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            let front = (b - a).cross(c - a);
+            t.iter().any(|&i| mesh.normals[i as usize].dot(front) <= 0.0)
+        };
+        mesh.triangles.iter().filter(against).count()
+    }
+
+    /// Edges that are not shared by exactly two triangles, once for each direction, by position.
+    fn open_edges(mesh: &Mesh) -> usize {
+        let key = |i: u32| mesh.positions[i as usize].to_array().map(f32::to_bits);
+        let mut edges = std::collections::HashMap::new();
+        for &[a, b, c] in &mesh.triangles {
+            for (p, q) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((key(p), key(q))).or_insert(0) += 1;
+                *edges.entry((key(q), key(p))).or_insert(0) -= 1;
+            }
+        }
+        edges.values().filter(|&&n| n != 0).count()
+    }
+
+    #[test]
+    fn every_entry_makes_a_valid_scene_that_is_lit() {
+        for entry in ENTRIES {
+            let parts = made(entry.name);
+            assert!(parts.meshes.len() + parts.spheres.len() > 0, "{}", entry.name);
+            let normals_fit = |m: &Mesh| m.normals.is_empty() || turned(m) == 0;
+            for mesh in &parts.meshes {
+                assert!(normals_fit(mesh), "{} `{}`: {} turned", entry.name, mesh.name, turned(mesh));
+            }
+            let scene = crate::scene::Scene::new(parts).unwrap_or_else(|e| panic!("{e}"));
+            assert!(scene.warnings.is_empty() && scene.notes.is_empty(), "{:?} {:?}", scene.warnings, scene.notes);
+        }
+    }
+
+    #[test]
+    fn seeds_repeat_and_differ() {
+        let place = |spec| made(spec).spheres[0].0.centre;
+        assert_eq!(place("random:n=10,seed=7"), place("random:seed=7,n=10"));
+        assert_ne!(place("random:n=10,seed=7"), place("random:n=10,seed=8"));
+        let inside = |&(s, _): &(Sphere, u32)| s.centre.abs().max_element() <= 5.0 && s.radius > 0.0;
+        assert!(made("random:n=500").spheres.iter().all(inside));
+    }
+
+    #[test]
+    fn sphereflake_has_the_original_sums() {
+        // SPD 3.14, `balls` at size factor 4: 7381 spheres; sums of x, y, z and r; top of the highest.
+        let spheres = made("flakes").spheres;
+        assert_eq!(spheres.len(), 7381);
+        let sum =
+            spheres.iter().fold(glam::DVec4::ZERO, |sum, (s, _)| sum + s.centre.as_dvec3().extend(f64::from(s.radius)));
+        for (ours, right) in [(sum.x, 0.0), (sum.y, 0.0), (sum.z, 1472.163), (sum.w, 60.5)] {
+            assert!((ours - right).abs() < 2e-3, "{sum}");
+        }
+        let top = spheres.iter().map(|(s, _)| s.centre.z + s.radius).fold(f32::MIN, f32::max);
+        assert!((top - 0.8306).abs() < 1e-4, "{top}");
+    }
+
+    #[test]
+    fn teapot_has_the_original_counts_and_height() {
+        for n in [1, 5, 12] {
+            let mesh = teapot::mesh(n);
+            assert_eq!(mesh.triangles.len() as u32, 64 * n * n - 8 * n);
+            let heights = mesh.positions.iter().map(|p| p.y);
+            assert_eq!(heights.clone().fold(f32::MAX, f32::min), 0.0);
+            assert_eq!(heights.fold(f32::MIN, f32::max), 3.15);
+        }
+        // The body alone is about a ball of radius 1.6 or so; inside out it would be negative.
+        assert!(volume6(&teapot::mesh(8)) / 6.0 > 10.0);
+    }
+
+    #[test]
+    fn closed_bodies_are_closed_and_turned_outwards() {
+        for spec in ["knot:n=64", "bumpy:n=24", "cubes:n=3", "cars:n=2"] {
+            let body = {
+                let (name, _) = spec.split_once(':').expect("an option");
+                let n = spec.rsplit('=').next().and_then(|n| n.parse().ok());
+                body(name, &Options { n, ..Options::default() }).expect("valid options")
+            };
+            for mesh in &body.meshes {
+                assert_eq!(open_edges(mesh), 0, "{spec} `{}`", mesh.name);
+                assert!(volume6(mesh) > 0.0, "{spec} `{}`", mesh.name);
+            }
+        }
+        // 27 cubes of edge 0.4.
+        let cubes = body("cubes", &Options { n: Some(3), ..Options::default() }).expect("valid options");
+        let volume: f64 = cubes.meshes.iter().map(volume6).sum::<f64>() / 6.0;
+        assert!((volume - 27.0 * 0.064).abs() < 1e-5, "{volume}");
+        assert_eq!(cubes.meshes.iter().map(|m| m.triangles.len()).sum::<usize>(), 27 * 12);
+    }
+
+    #[test]
+    fn counts_are_as_documented() {
+        let triangles = |spec| made(spec).meshes.iter().map(|m| m.triangles.len()).sum::<usize>();
+        assert_eq!(triangles("knot"), 256 * 256 / 4);
+        assert_eq!(triangles("bumpy"), 4 * 80 * 79);
+        assert_eq!(made("lanes:n=6").spheres.len(), 216);
+        assert_eq!(made("random").spheres.len(), 1000);
+        assert_eq!(triangles("cornell"), 6 * 2 + 2 * 12);
+    }
+
+    #[test]
+    fn mistakes_are_explained() {
+        for (spec, cause) in [
+            ("flake", "did you mean `flakes`"),
+            ("nothing-like-it", "random, lanes"),
+            ("random:n=0", "n=0 is not within 1"),
+            ("random:n=x", "`x` is no whole number"),
+            ("random:depth=3", "`random` takes n, seed"),
+            ("random:n", "key=value"),
+            ("cornell:n=3", "no options"),
+            ("flakes:depth=8", "depth=8 is not within 0 to 7"),
+        ] {
+            let message = parse(spec).expect_err(spec).to_string();
+            assert!(message.contains(cause) && message.contains(spec), "{spec}: {message}");
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! `skipgrid compare`: several accelerators on the same rays.
+
+use super::Outcome;
+use super::console::{Console, Format};
+use super::input::{DEFAULT_ACCELS, SceneArgs, note_camera, parse_size};
+use super::table::{Table, short};
+use super::trace::read_rays;
+use crate::accel::Hit;
+use crate::error::Result;
+use crate::measure::{Comparison, Difference, Query, RayOptions, Rounds, compare_with};
+use crate::ray::Ray;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+const DETAILS: &str = "\
+Camera rays go through a random point of each pixel; shadow rays (any hit) from what they hit towards a light; diffuse \
+rays (closest hit) from there in random directions and random order. All accelerators are asked for the closest hit and \
+for any hit of every ray: the answers must equal the first accelerator's to the bit, else the exit code is 1. Then each \
+traces the same rays in turns, on one thread; rates are medians of the rounds, the spread is half their range. Ratios \
+are against the first accelerator; above 1 means faster, larger or slower to build.
+
+Examples:
+  skipgrid compare random:n=10000
+  skipgrid compare room.glb --accel grid --accel grid:density=8 --accel obvhs-cwbvh --format csv";
+
+/// Compare accelerators on the same rays: identical answers, speed, work, memory, build time
+#[derive(Debug, clap::Args)]
+#[command(after_help = DETAILS)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Accelerator, with options; give it once for each; the first is the measure of the others
+    #[arg(long = "accel", value_name = "A", default_values = DEFAULT_ACCELS)]
+    accels: Vec<String>,
+
+    /// Timed rounds
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+
+    /// Film that camera rays go through
+    #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = parse_size)]
+    size: (u32, u32),
+
+    /// Most rays of a kind; of a larger film every so-many-th pixel is taken
+    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..))]
+    max_rays: u32,
+
+    /// Same seed, same rays
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// Use the rays of this .npy or .rays file instead, asked for their closest hit
+    #[arg(long, value_name = "FILE")]
+    rays: Option<PathBuf>,
+
+    /// Form of the table
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Compares and prints.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let given = args.rays.as_deref().map(read_rays).transpose()?;
+    let scene = args.scene.load(console)?;
+    if given.is_none() {
+        note_camera(&scene, console);
+    }
+    let specs: Vec<String> = args.accels.iter().map(|accel| args.scene.spec(accel)).collect();
+    let (width, height) = args.size;
+    let rays = RayOptions { width, height, seed: args.seed, max_rays: args.max_rays as usize };
+    let rounds = Rounds { rounds: args.rounds, rays, given };
+
+    let spinner = console.progress(0);
+    let result = compare_with(&scene, &specs, &rounds, &|stage| spinner.set_message(stage.to_string()));
+    spinner.finish_and_clear();
+    let result = result?;
+    match args.format {
+        Format::Text => console.data(&text(&result, args))?,
+        Format::Json => console.json(&json(&result, args))?,
+        Format::Csv => {
+            console.data(&rates(&result, true).csv())?;
+            verdict(&result).lines().for_each(|line| console.note(line));
+        }
+    }
+    Ok(if result.identical() { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+fn text(result: &Comparison, args: &Args) -> String {
+    let mut out = format!(
+        "skipgrid {}: {}, {} primitives\n{}; traced on one thread\nseed {}, {} rounds:",
+        env!("CARGO_PKG_VERSION"),
+        args.scene.scene,
+        result.primitives,
+        result.machine,
+        args.seed,
+        result.rounds
+    );
+    for kind in &result.kinds {
+        let share = if kind.rays == 0 { 0.0 } else { 100.0 * kind.hits as f64 / kind.rays as f64 };
+        out += &format!(" {} {} rays ({share:.1} % hit),", kind.rays, kind.kind.name());
+    }
+    out.truncate(out.len() - 1);
+    out += "\n\n";
+    let mut builds = Table::new(&["<accelerator", "build ms", "ratio", "bytes", "ratio"]);
+    for row in &result.rows {
+        let bytes = row.build.memory.total();
+        builds.row(vec![
+            row.accel.clone(),
+            short(row.build.milliseconds),
+            short(row.build.milliseconds / result.rows[0].build.milliseconds),
+            bytes.to_string(),
+            short(bytes as f64 / result.rows[0].build.memory.total() as f64),
+        ]);
+    }
+    out += &builds.text();
+    out += "\n";
+    out += &rates(result, false).text();
+    out += "\n";
+    out + &verdict(result)
+}
+
+/// One row for each ray kind and accelerator; with the build's cost if `flat`.
+fn rates(result: &Comparison, flat: bool) -> Table {
+    let mut columns =
+        vec!["<rays", "<accelerator", "Mrays/s", "spread %", "ratio", "steps/ray", "leaps/ray", "tests/ray"];
+    if flat {
+        columns.extend(["build ms", "bytes", "count", "hits"]);
+    }
+    let mut table = Table::new(&columns);
+    for (k, kind) in result.kinds.iter().enumerate() {
+        for row in &result.rows {
+            let mut cells = vec![kind.kind.name().to_string(), row.accel.clone()];
+            match row.rates[k] {
+                Some(rate) => {
+                    let first = result.rows[0].rates[k].map_or(f64::NAN, |first| first.rays_per_second);
+                    let per_ray = |n: u64| short(n as f64 / rate.counts.rays as f64);
+                    cells.push(short(rate.rays_per_second / 1e6));
+                    cells.push(format!("{:.1}", 100.0 * rate.spread));
+                    cells.push(short(rate.rays_per_second / first));
+                    // An accelerator that takes no step at all does not count them.
+                    let uncounted = rate.counts.steps == 0 && rate.counts.tests > 0;
+                    let walked = |n: u64| if uncounted { "-".to_string() } else { per_ray(n) };
+                    cells.push(walked(rate.counts.steps));
+                    cells.push(walked(rate.counts.leaps));
+                    cells.push(per_ray(rate.counts.tests));
+                }
+                None => cells.extend(std::iter::repeat_n("-".to_string(), 6)),
+            }
+            if flat {
+                let build = &row.build;
+                cells.extend([short(build.milliseconds), build.memory.total().to_string()]);
+                cells.extend([kind.rays.to_string(), kind.hits.to_string()]);
+            }
+            table.row(cells);
+        }
+    }
+    table
+}
+
+fn verdict(result: &Comparison) -> String {
+    let first = &result.rows[0].accel;
+    match &result.difference {
+        None => format!(
+            "identical hits: {} gave the same primitive and the same bits of t on all {} rays, and any hit agrees\n",
+            result.rows.iter().map(|row| row.accel.as_str()).collect::<Vec<_>>().join(", "),
+            result.rays()
+        ),
+        Some(d) => {
+            let (other, answer) = (&d.other.0, answer(&d.other.1));
+            format!(
+                "DIFFERENT HITS: {} answers differ from those of {first}; the first is the {} of {} ray {}\n\
+                 ray bits (ox oy oz tmin dx dy dz tmax): {}\n{first}: {}\n{other}: {answer}\n",
+                result.differing,
+                d.query,
+                d.kind.name(),
+                d.index,
+                bits(&d.ray).join(" "),
+                self::answer(&Ok(d.first.1)),
+            )
+        }
+    }
+}
+
+fn answer(answer: &std::result::Result<Option<Hit>, bool>) -> String {
+    match answer {
+        Ok(Some(hit)) => format!("primitive {}, t = {:?} (bits {:08x})", hit.prim, hit.t, hit.t.to_bits()),
+        Ok(None) => "nothing".to_string(),
+        Err(flag) => format!("any hit: {flag}"),
+    }
+}
+
+/// The ray as hexadecimal bits, in the order of ray files.
+fn bits(ray: &Ray) -> Vec<String> {
+    let (o, d) = (ray.origin, ray.direction);
+    [o.x, o.y, o.z, ray.t_min, d.x, d.y, d.z, ray.t_max].map(|x| format!("{:08x}", x.to_bits())).to_vec()
+}
+
+fn json(result: &Comparison, args: &Args) -> Value {
+    let kinds: Vec<Value> = result
+        .kinds
+        .iter()
+        .map(|k| {
+            let query = if k.query == Query::Any { "any hit" } else { "closest hit" };
+            json!({ "kind": k.kind.name(), "query": query, "rays": k.rays, "hits": k.hits })
+        })
+        .collect();
+    let rows: Vec<Value> = result
+        .rows
+        .iter()
+        .map(|row| {
+            let memory = &row.build.memory;
+            let rates: Vec<Value> = row
+                .rates
+                .iter()
+                .enumerate()
+                .map(|(k, rate)| {
+                    let (Some(rate), Some(first)) = (rate, result.rows[0].rates[k]) else { return Value::Null };
+                    json!({
+                        "kind": result.kinds[k].kind.name(),
+                        "rays_per_second": rate.rays_per_second,
+                        "spread": rate.spread,
+                        "ratio": rate.rays_per_second / first.rays_per_second,
+                        "steps": rate.counts.steps,
+                        "leaps": rate.counts.leaps,
+                        "tests": rate.counts.tests,
+                    })
+                })
+                .collect();
+            json!({
+                "accelerator": row.accel,
+                "build_ms": row.build.milliseconds,
+                "bytes": {
+                    "structure": memory.structure,
+                    "references": memory.references,
+                    "tables": memory.tables,
+                    "total": memory.total(),
+                },
+                "rates": rates,
+            })
+        })
+        .collect();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": args.scene.scene,
+        "primitives": result.primitives,
+        "cpu": result.machine.cpu,
+        "threads": result.machine.threads,
+        "code": result.machine.features,
+        "debug": result.machine.debug,
+        "seed": args.seed,
+        "rounds": result.rounds,
+        "rays": kinds,
+        "accelerators": rows,
+        "identical": result.identical(),
+        "rays_checked": result.rays(),
+        "differing": result.differing,
+        "difference": result.difference.as_ref().map(difference),
+    })
+}
+
+fn difference(d: &Difference) -> Value {
+    json!({
+        "kind": d.kind.name(),
+        "index": d.index,
+        "query": d.query,
+        "ray_bits": bits(&d.ray),
+        "first": { "accelerator": d.first.0, "answer": answer(&Ok(d.first.1)) },
+        "other": { "accelerator": d.other.0, "answer": answer(&d.other.1) },
+    })
+}

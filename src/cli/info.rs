@@ -1,0 +1,167 @@
+//! `skipgrid info`: what a scene holds and what an accelerator makes of it.
+
+use super::Outcome;
+use super::console::{Console, Format};
+use super::input::{DEFAULT_ACCEL, SceneArgs};
+use super::table::{Table, short};
+use crate::accel::Accel;
+use crate::error::Result;
+use crate::ray::Aabb;
+use crate::scene::{Bsdf, CameraSource, Light, Scene, SceneGeometry};
+use glam::Vec3;
+use serde_json::{Value, json};
+use std::time::Instant;
+
+/// Show primitives, extent, camera, materials and lights of a scene, and size and build time of an accelerator
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  skipgrid info room.glb\n  skipgrid info random:n=10000 --accel grid:density=4")]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Accelerator, with options; see `skipgrid list`
+    #[arg(long, value_name = "A", default_value = DEFAULT_ACCEL)]
+    accel: String,
+
+    /// Form of the answer
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Prints the facts.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let start = Instant::now();
+    let scene = args.scene.load(console)?;
+    let load_ms = start.elapsed().as_secs_f64() * 1e3;
+    let spec = args.scene.spec(&args.accel);
+    let start = Instant::now();
+    let accel = scene.accel(&spec)?;
+    let build_ms = start.elapsed().as_secs_f64() * 1e3;
+
+    let facts = facts(&scene, &spec, &*accel, load_ms, build_ms);
+    match args.format {
+        Format::Text => {
+            let width = facts.iter().map(|(name, _, _)| name.len()).max().unwrap_or(0);
+            let lines = facts.iter().map(|(name, text, _)| format!("{name:<width$}  {text}\n"));
+            console.data(&lines.collect::<String>())?;
+        }
+        Format::Json => {
+            let map = facts.into_iter().map(|(name, _, value)| (name.replace(' ', "_"), value));
+            console.json(&Value::Object(map.collect()))?;
+        }
+        Format::Csv => {
+            let mut table = Table::new(&["<fact", "<value"]);
+            facts.into_iter().for_each(|(name, text, _)| table.row(vec![name.to_string(), text]));
+            console.data(&table.csv())?;
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// Name, text and JSON value of each fact.
+type Fact = (&'static str, String, Value);
+
+fn facts(scene: &Scene, spec: &str, accel: &dyn Accel, load_ms: f64, build_ms: f64) -> Vec<Fact> {
+    let (triangles, spheres) = (scene.triangle_count(), scene.spheres.len());
+    let mut facts: Vec<Fact> = vec![("scene", scene.name.clone(), json!(scene.name))];
+    let mut count = |name, n: usize| facts.push((name, n.to_string(), json!(n)));
+    count("triangles", triangles as usize);
+    count("spheres", spheres);
+    count("meshes", scene.meshes.len());
+    count("textures", scene.textures.len());
+
+    let materials = tally(scene.materials.iter().map(|m| match m.bsdf {
+        Bsdf::Lambert { .. } => "lambert",
+        Bsdf::Mirror { .. } => "mirror",
+        Bsdf::Dielectric { .. } => "dielectric",
+        Bsdf::Conductor { .. } => "conductor",
+    }));
+    facts.push(("materials", in_words(&materials), tally_json(&materials)));
+    let emissive = scene.materials.iter().filter(|m| m.emission != Vec3::ZERO).count();
+    facts.push(("emissive materials", emissive.to_string(), json!(emissive)));
+    let lights = tally(scene.lights.iter().map(|light| match light {
+        Light::Point { .. } => "point",
+        Light::Spot { .. } => "spot",
+        Light::Directional { .. } => "directional",
+    }));
+    facts.push(("lights", in_words(&lights), tally_json(&lights)));
+    let environment = scene.environment.to_array();
+    facts.push(("environment", format!("{environment:?}"), json!(environment)));
+
+    let Aabb { min, max } = accel.bounds();
+    let (text, value) = if accel.bounds().is_empty() {
+        ("empty".to_string(), Value::Null)
+    } else {
+        let (min, max) = (min.to_array(), max.to_array());
+        (format!("{min:?} to {max:?}"), json!({ "min": min, "max": max }))
+    };
+    facts.push(("extent", text, value));
+
+    let camera = &scene.camera;
+    let source = if camera.source == CameraSource::File { "from the scene" } else { "framed" };
+    let [origin, target, up] = [camera.origin, camera.target, camera.up].map(|v| v.to_array());
+    facts.push((
+        "camera",
+        format!("{source}: origin {origin:?}, target {target:?}, up {up:?}, yfov {:?}", camera.yfov),
+        json!({ "source": source, "origin": origin, "target": target, "up": up, "yfov": camera.yfov }),
+    ));
+
+    let memory = accel.memory();
+    facts.push(("accelerator", spec.to_string(), json!(spec)));
+    facts.push(("load ms", short(load_ms), json!(load_ms)));
+    facts.push(("build ms", short(build_ms), json!(build_ms)));
+    for (name, bytes) in [
+        ("structure bytes", memory.structure),
+        ("reference bytes", memory.references),
+        ("skip table bytes", memory.tables),
+        ("bytes", memory.total()),
+    ] {
+        facts.push((name, bytes.to_string(), json!(bytes)));
+    }
+    let left_out = left_out(scene, memory.tables);
+    facts.push(("left out", left_out.join("; "), json!(left_out)));
+    facts
+}
+
+/// What this scene makes unnecessary, with the reason.
+fn left_out(scene: &Scene, table_bytes: u64) -> Vec<String> {
+    let mut left_out = Vec::new();
+    match scene.geometry {
+        SceneGeometry::Triangles(_) => left_out.push("sphere test: the scene has triangles only".to_string()),
+        SceneGeometry::Spheres(_) => left_out.push("triangle test: the scene has spheres only".to_string()),
+        SceneGeometry::Mixed(_) => {}
+    }
+    if table_bytes == 0 {
+        left_out.push("skip table: this accelerator has none".to_string());
+    }
+    if scene.textures.is_empty() {
+        left_out.push("texture look-up: the scene has no texture".to_string());
+    }
+    if scene.materials.iter().all(|m| m.emission == Vec3::ZERO) {
+        left_out.push("area lights: no material emits".to_string());
+    }
+    left_out
+}
+
+/// Names with their numbers, in order of first appearance.
+fn tally<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(&'a str, usize)> {
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    for name in names {
+        match counts.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, n)) => *n += 1,
+            None => counts.push((name, 1)),
+        }
+    }
+    counts
+}
+
+fn in_words(counts: &[(&str, usize)]) -> String {
+    if counts.is_empty() {
+        return "none".to_string();
+    }
+    counts.iter().map(|(name, n)| format!("{n} {name}")).collect::<Vec<_>>().join(", ")
+}
+
+fn tally_json(counts: &[(&str, usize)]) -> Value {
+    Value::Object(counts.iter().map(|&(name, n)| (name.to_string(), json!(n))).collect())
+}

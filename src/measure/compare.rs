@@ -1,0 +1,394 @@
+//! Several accelerators on the same rays: are the answers equal, what do they cost?
+
+use super::machine::Machine;
+use super::rays::{Query, RayKind, RayOptions, RaySet, ray_sets};
+use crate::accel::{Accel, Counts, Hit, Memory};
+use crate::error::{Error, Result};
+use crate::ray::Ray;
+use crate::scene::Scene;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// How to compare.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rounds {
+    /// Timed rounds, at least 1. In each, every accelerator traces every set once, in turns.
+    pub rounds: u32,
+    /// Which rays, if [`Rounds::given`] has none.
+    pub rays: RayOptions,
+    /// These rays, asked for their closest hit, instead of camera, shadow and diffuse ones.
+    pub given: Option<Vec<Ray>>,
+}
+
+impl Default for Rounds {
+    fn default() -> Self {
+        Self { rounds: 5, rays: RayOptions::default(), given: None }
+    }
+}
+
+/// What came out. All times are wall time; rays are traced on one thread, through `&dyn Accel`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The scene's name.
+    pub scene: String,
+    /// Number of primitives.
+    pub primitives: u32,
+    /// Timed rounds.
+    pub rounds: u32,
+    /// What it was measured on.
+    pub machine: Machine,
+    /// The ray sets.
+    pub kinds: Vec<Kind>,
+    /// One row for each accelerator, in the order given.
+    pub rows: Vec<Row>,
+    /// Rays on which an accelerator's answer differed from the first one's; one ray counts once for each accelerator.
+    pub differing: u64,
+    /// The first of them.
+    pub difference: Option<Difference>,
+}
+
+/// One ray set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// Where the rays come from.
+    pub kind: RayKind,
+    /// What was timed.
+    pub query: Query,
+    /// Number of rays.
+    pub rays: u64,
+    /// Rays that hit something.
+    pub hits: u64,
+}
+
+/// One accelerator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Specification as given.
+    pub accel: String,
+    /// Cost of building.
+    pub build: Build,
+    /// One for each ray set; `None` if the set is empty.
+    pub rates: Vec<Option<Rate>>,
+}
+
+/// Cost of building.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Build {
+    /// Median of one to three builds, milliseconds.
+    pub milliseconds: f64,
+    /// Bytes held beside the geometry.
+    pub memory: Memory,
+}
+
+/// Speed and work on one ray set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rate {
+    /// Rays traced in a second: median of the rounds.
+    pub rays_per_second: f64,
+    /// Half the distance between the fastest and the slowest round, as a share of the median.
+    pub spread: f64,
+    /// Work for the whole set; independent of the machine.
+    pub counts: Counts,
+}
+
+/// A ray on which two accelerators disagree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// The set.
+    pub kind: RayKind,
+    /// Index in the set.
+    pub index: usize,
+    /// The ray.
+    pub ray: Ray,
+    /// Question: "closest hit", "any hit" or one of them with counting.
+    pub query: &'static str,
+    /// The first accelerator and its answer.
+    pub first: (String, Option<Hit>),
+    /// The other one and its answer: for any-hit questions `Err` holds the flag.
+    pub other: (String, std::result::Result<Option<Hit>, bool>),
+}
+
+/// Compares the accelerators that `specs` name on rays of `scene`; the first one is the measure of the others.
+///
+/// # Errors
+/// No accelerator or no round is asked for; one cannot be built; the film has no pixels.
+pub fn compare<S: AsRef<str>>(scene: &Scene, specs: &[S], rounds: &Rounds) -> Result<Comparison> {
+    compare_with(scene, specs, rounds, &|_| {})
+}
+
+/// As [`compare`]; calls `progress` with a few words before each stage.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_with<S: AsRef<str>>(
+    scene: &Scene,
+    specs: &[S],
+    rounds: &Rounds,
+    progress: &dyn Fn(&str),
+) -> Result<Comparison> {
+    if specs.is_empty() || rounds.rounds == 0 {
+        return Err(Error::invalid(format!(
+            "nothing to compare: {} accelerators, {} rounds",
+            specs.len(),
+            rounds.rounds
+        )));
+    }
+    let mut accels = Vec::with_capacity(specs.len());
+    let mut rows = Vec::with_capacity(specs.len());
+    for spec in specs {
+        let spec = spec.as_ref();
+        progress(&format!("building {spec}"));
+        let (accel, milliseconds) = build(scene, spec)?;
+        let memory = accel.memory();
+        rows.push(Row { accel: spec.to_string(), build: Build { milliseconds, memory }, rates: Vec::new() });
+        accels.push(accel);
+    }
+    let sets = match &rounds.given {
+        Some(rays) => vec![RaySet { kind: RayKind::Given, query: Query::Closest, rays: rays.clone() }],
+        None => ray_sets(scene, &accels[0], &rounds.rays)?,
+    };
+
+    let mut check = Check::default();
+    let mut kinds = Vec::with_capacity(sets.len());
+    for set in &sets {
+        let name = set.kind.name();
+        progress(&format!("checking {name} rays"));
+        let truth: Vec<Option<Hit>> = set.rays.iter().map(|ray| accels[0].closest_hit(ray)).collect();
+        let hits = truth.iter().flatten().count() as u64;
+        kinds.push(Kind { kind: set.kind, query: set.query, rays: set.rays.len() as u64, hits });
+        let counts: Vec<Counts> = accels
+            .iter()
+            .zip(&rows)
+            .map(|(accel, row)| check.answers(set, &truth, &rows[0].accel, accel, &row.accel))
+            .collect();
+        progress(&format!("timing {name} rays"));
+        let rates = time(set, &accels, rounds.rounds);
+        for ((row, rate), counts) in rows.iter_mut().zip(rates).zip(counts) {
+            row.rates.push(rate.map(|(rays_per_second, spread)| Rate { rays_per_second, spread, counts }));
+        }
+    }
+    Ok(Comparison {
+        scene: scene.name.clone(),
+        primitives: scene.triangle_count() + scene.spheres.len() as u32,
+        rounds: rounds.rounds,
+        machine: Machine::this(),
+        kinds,
+        rows,
+        differing: check.differing,
+        difference: check.first,
+    })
+}
+
+impl Comparison {
+    /// True if every accelerator gave the first one's answer, to the bit, on every ray.
+    pub fn identical(&self) -> bool {
+        self.differing == 0
+    }
+
+    /// Rays in all sets.
+    pub fn rays(&self) -> u64 {
+        self.kinds.iter().map(|k| k.rays).sum()
+    }
+}
+
+/// Builds once, and twice more if that is quick; gives the median.
+fn build(scene: &Scene, spec: &str) -> Result<(Box<dyn Accel>, f64)> {
+    const QUICK: Duration = Duration::from_millis(200);
+    let mut times = Vec::new();
+    loop {
+        let start = Instant::now();
+        let accel = scene.accel(spec)?;
+        let time = start.elapsed();
+        times.push(time.as_secs_f64() * 1e3);
+        if time > QUICK || times.len() == 3 {
+            return Ok((accel, median(&mut times)));
+        }
+    }
+}
+
+/// Answers that differ from the first accelerator's.
+#[derive(Default)]
+struct Check {
+    differing: u64,
+    first: Option<Difference>,
+}
+
+impl Check {
+    /// Asks every question about every ray of `set`; returns the work of the set's own question.
+    fn answers(&mut self, set: &RaySet, truth: &[Option<Hit>], first: &str, accel: &dyn Accel, name: &str) -> Counts {
+        let mut counts = Counts::default();
+        for (index, (ray, &truth)) in set.rays.iter().zip(truth).enumerate() {
+            let mut wrong = None;
+            let hit = accel.closest_hit(ray);
+            if !same(truth, hit) {
+                wrong = Some(("closest hit", Ok(hit)));
+            }
+            let any = accel.any_hit(ray);
+            if any != truth.is_some() {
+                wrong = wrong.or(Some(("any hit", Err(any))));
+            }
+            match set.query {
+                Query::Closest => {
+                    let hit = accel.closest_hit_counted(ray, &mut counts);
+                    if !same(truth, hit) {
+                        wrong = wrong.or(Some(("counted closest hit", Ok(hit))));
+                    }
+                }
+                Query::Any => {
+                    let any = accel.any_hit_counted(ray, &mut counts);
+                    if any != truth.is_some() {
+                        wrong = wrong.or(Some(("counted any hit", Err(any))));
+                    }
+                }
+            }
+            let Some((query, answer)) = wrong else { continue };
+            self.differing += 1;
+            self.first.get_or_insert_with(|| Difference {
+                kind: set.kind,
+                index,
+                ray: *ray,
+                query,
+                first: (first.to_string(), truth),
+                other: (name.to_string(), answer),
+            });
+        }
+        counts
+    }
+}
+
+/// Equal to the bit.
+fn same(a: Option<Hit>, b: Option<Hit>) -> bool {
+    a.map(|h| (h.prim, h.t.to_bits())) == b.map(|h| (h.prim, h.t.to_bits()))
+}
+
+/// Median rate and spread of each accelerator; `None` if there is no ray.
+///
+/// Small sets are traced several times for each reading, so that a reading takes milliseconds. The accelerator that goes
+/// first changes from round to round.
+fn time(set: &RaySet, accels: &[Box<dyn Accel>], rounds: u32) -> Vec<Option<(f64, f64)>> {
+    if set.rays.is_empty() {
+        return vec![None; accels.len()];
+    }
+    const READING: f64 = 2e-3;
+    let repeats: Vec<u32> =
+        accels.iter().map(|accel| (READING / seconds(set, accel, 1)).ceil().clamp(1.0, 10_000.0) as u32).collect();
+    let mut readings = vec![Vec::new(); accels.len()];
+    for round in 0..rounds as usize {
+        for turn in 0..accels.len() {
+            let i = (round + turn) % accels.len();
+            let seconds = seconds(set, &accels[i], repeats[i]).max(1e-9);
+            readings[i].push(set.rays.len() as f64 * f64::from(repeats[i]) / seconds);
+        }
+    }
+    readings
+        .into_iter()
+        .map(|mut rates| {
+            let median = median(&mut rates);
+            // `median` has sorted them; there is at least one.
+            let spread = rates.last().zip(rates.first()).map_or(0.0, |(max, min)| (max - min) / 2.0 / median);
+            Some((median, spread))
+        })
+        .collect()
+}
+
+/// Seconds to trace the set `repeats` times.
+fn seconds(set: &RaySet, accel: &dyn Accel, repeats: u32) -> f64 {
+    let start = Instant::now();
+    for _ in 0..repeats {
+        let sum = match set.query {
+            Query::Closest => {
+                set.rays.iter().filter_map(|ray| accel.closest_hit(ray)).fold(0u32, |sum, hit| sum ^ hit.prim)
+            }
+            Query::Any => set.rays.iter().fold(0, |sum, ray| sum + u32::from(accel.any_hit(ray))),
+        };
+        black_box(sum);
+    }
+    start.elapsed().as_secs_f64()
+}
+
+/// Sorts, and gives the middle or the mean of the two in the middle; NaN if there is none.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => f64::NAN,
+        _ if n % 2 == 1 => values[n / 2],
+        _ => (values[n / 2 - 1] + values[n / 2]) / 2.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::BruteForce;
+    use crate::geometry::Sphere;
+    use crate::ray::Aabb;
+    use glam::Vec3;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert!(median(&mut []).is_nan());
+    }
+
+    /// Says that nothing is hit when only asked whether anything is.
+    struct Blind<A>(A);
+
+    impl<A: Accel> Accel for Blind<A> {
+        fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+            self.0.closest_hit(ray)
+        }
+        fn any_hit(&self, _: &Ray) -> bool {
+            false
+        }
+        fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
+            self.0.closest_hit_counted(ray, counts)
+        }
+        fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
+            self.0.any_hit_counted(ray, counts)
+        }
+        fn bounds(&self) -> Aabb {
+            self.0.bounds()
+        }
+        fn memory(&self) -> Memory {
+            self.0.memory()
+        }
+    }
+
+    fn set() -> (Vec<Sphere>, RaySet) {
+        let spheres = vec![Sphere { centre: Vec3::ZERO, radius: 1.0 }];
+        let origins = [Vec3::new(-3.0, 0.0, 0.0), Vec3::new(-3.0, 2.0, 0.0)];
+        let rays = origins.map(|o| Ray::new(o, Vec3::X)).to_vec();
+        (spheres, RaySet { kind: RayKind::Given, query: Query::Closest, rays })
+    }
+
+    #[test]
+    fn the_check_sees_a_wrong_flag_and_a_wrong_bit() {
+        let (spheres, set) = set();
+        let accel = BruteForce::new(&spheres);
+        // The first ray meets the unit sphere at t = 2, the second passes it.
+        let truth = [Some(Hit { t: 2.0, prim: 0 }), None];
+        let mut check = Check::default();
+        let counts = check.answers(&set, &truth, "a", &accel, "b");
+        assert_eq!((check.differing, counts.rays, counts.tests), (0, 2, 2));
+
+        check.answers(&set, &truth, "a", &Blind(&accel), "blind");
+        assert_eq!(check.differing, 1);
+        let first = check.first.take().expect("a difference was counted");
+        assert_eq!((first.index, first.query, first.other), (0, "any hit", ("blind".to_string(), Err(false))));
+
+        let truth = [Some(Hit { t: 2.0f32.next_up(), prim: 0 }), None];
+        check.answers(&set, &truth, "a", &accel, "b");
+        assert_eq!(check.first.map(|d| (d.index, d.query)), Some((0, "closest hit")));
+    }
+
+    #[test]
+    fn every_accelerator_gets_a_rate_and_an_empty_set_none() {
+        let (spheres, mut set) = set();
+        let accels: Vec<Box<dyn Accel>> = vec![Box::new(BruteForce::new(spheres))];
+        assert!(time(&set, &accels, 2)[0].is_some_and(|(rate, spread)| rate > 0.0 && spread >= 0.0));
+        set.rays.clear();
+        assert_eq!(time(&set, &accels, 2), [None]);
+    }
+}
