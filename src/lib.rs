@@ -22,6 +22,11 @@ pub mod scene;
 #[cfg(feature = "validate")]
 pub mod validate;
 
+/// Compiles the examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
+
 pub use accel::{Accel, Hit};
 pub use error::{Error, Result};
 pub use geometry::{Geometry, Sphere, Triangle};

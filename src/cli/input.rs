@@ -10,7 +10,7 @@ use std::path::Path;
 pub const DEFAULT_ACCEL: &str = "grid";
 
 /// The accelerators that are compared and validated unless told otherwise.
-pub const DEFAULT_ACCELS: [&str; 2] = ["grid", "obvhs-cwbvh"];
+pub use crate::validate::DEFAULT_ACCELERATORS as DEFAULT_ACCELS;
 
 /// Which scene, and how it is read.
 #[derive(Clone, Debug, clap::Args)]

@@ -66,8 +66,11 @@ fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
 /// Two triangles: a right one at z = 0 over (0, 0), (1, 0), (0, 1), and the same at z = 2 with legs of 4.
 const TRIANGLES: [f32; 18] = [0., 0., 0., 1., 0., 0., 0., 1., 0., /* second */ 0., 0., 2., 4., 0., 2., 0., 4., 2.];
 
+/// A ray as in a file, and what it hits: parameter and primitive.
+type RayAndHit = ([f32; 8], Option<(f32, u32)>);
+
 /// Rays with answers by hand: t counts in the direction's length.
-const RAYS: [([f32; 8], Option<(f32, u32)>); 8] = [
+const RAYS: [RayAndHit; 8] = [
     ([0.25, 0.25, -5., 0., 0., 0., 1., f32::INFINITY], Some((5.0, 0))),
     ([0.25, 0.25, -5., 0., 0., 0., 2., f32::INFINITY], Some((2.5, 0))),
     ([0.75, 0.75, -5., 0., 0., 0., 1., f32::INFINITY], Some((7.0, 1))),

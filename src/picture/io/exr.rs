@@ -1,5 +1,7 @@
 //! OpenEXR through the `exr` crate: f32 out, half, f32 and u32 in.
 
+mod order;
+
 use super::{Attributes, MAX_DECODED_BYTES, blank, check_declared, check_size, read_bytes, replace_file, too_large};
 use crate::error::{Error, Result};
 use crate::picture::Picture;
@@ -92,7 +94,9 @@ pub(super) fn encode(
     let image = Image::from_layer(Layer::new(size, own, encoding, AnyChannels::sort(channels)));
     let mut bytes = Cursor::new(Vec::new());
     image.write().to_buffered(&mut bytes).map_err(|e| Error::malformed(path, e.to_string()))?;
-    Ok(bytes.into_inner())
+    let mut bytes = bytes.into_inner();
+    order::sort_attributes(&mut bytes);
+    Ok(bytes)
 }
 
 /// Checks the header before any pixel is allocated, then decodes.
