@@ -9,7 +9,7 @@
 //!   start a bit early, since `CwBvh` drops boxes that end before its own epsilon.
 //! - **Padding.** With coordinates below 0.75 and u = 2^-24, the ray handed over is off by at most 3u, the f32 box test and
 //!   the quantised boxes by some 12u, and the clamp of inverse directions at 2^23 by 4u: together below 2^-19. Boxes are
-//!   padded by `PADDING` = 2^-17, and the best parameter handed back is raised by as much.
+//!   padded by 2^-17, and the best parameter handed back is raised by as much.
 //! - Primitives that no ray can hit, which make obvhs panic when they are not finite, are not handed over.
 //! - A ray that starts so far away that f64 cannot find the entry to within 2^-22 is tested against every primitive.
 

@@ -22,8 +22,8 @@ use std::sync::Arc;
 
 /// A set of primitives addressed by index `0..len`.
 ///
-/// Slices and vectors of [`Triangle`] or [`Sphere`] are sets; so are `&G`, `Box<G>` and `Arc<G>` of any set `G`: an
-/// accelerator can borrow, own or share its primitives.
+/// Slices and vectors of [`Triangle`] or [`Sphere`] are sets, and [`IndexedTriangles`] and [`Mixed`]; so are `&G`,
+/// `Box<G>` and `Arc<G>` of any set `G`: an accelerator can borrow, own or share its primitives.
 pub trait Geometry: Send + Sync {
     /// What the tests of one ray share, such as the watertight test's shear. `()` if nothing.
     type Prep;

@@ -1,8 +1,8 @@
 //! Spheres: the test without cancellation, in f64, and exact where rounding could change the answer.
 //!
 //! Source: Haines, Günther and Akenine-Möller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems,
-//! 2019, chapter 7. With `f = o - c` and `b = -f . d`, the discriminant is `r^2 - |f + (b / |d|^2) d|^2`, taken from the
-//! ray's point nearest to the centre, and the root that would cancel is `(|f|^2 - r^2) / q`.
+//! 2019, chapter 7. With `f = o - c` and `b = -f . d`, the discriminant is `r^2 - |f + (b / |d|^2) d|^2`, taken from
+//! the ray's point nearest to the centre, and the root that would cancel is `(|f|^2 - r^2) / q`.
 //! Departs from it: where the discriminant or `|f|^2 - r^2` is too near zero for its rounding error, it is computed
 //! exactly, so that hits, tangents and the side on which the origin lies are never wrong.
 
@@ -106,11 +106,11 @@ impl SpherePrep {
 
     /// True only if the ray's line certainly misses the sphere: the first stage, in f32.
     ///
-    /// With `e = 2^-24`, `n` the unit direction and `f` the origin from the centre, the line misses if
-    /// `|f|^2 - (f . n)^2 > r^2`. `f . n` is known within `5 e |f|` (difference, `n`, product, two sums), so its square
-    /// within `12 e |f|^2`; `|f|^2` within `5 e |f|^2`, `r^2` within `e r^2`; the sums and the bound add less than
-    /// `4 e (|f|^2 + r^2)`. Underflow adds less than 2^-126. An `|f|^2` that overflows or is NaN makes a NaN, which is not
-    /// greater than anything.
+    /// With `e = 2^-24`, `n` the unit direction and `f` the origin from the centre, the line misses if `|f|^2 - (f .
+    /// n)^2 > r^2`. `f . n` is known within `5 e |f|` (difference, `n`, product, two sums), so its square within `12 e
+    /// |f|^2`; `|f|^2` within `5 e |f|^2`, `r^2` within `e r^2`; the sums and the bound add less than `4 e (|f|^2 +
+    /// r^2)`. Underflow adds less than 2^-126. An `|f|^2` that overflows or is NaN makes a NaN, which is not greater
+    /// than anything.
     #[inline]
     fn misses(&self, origin: Vec3, sphere: &Sphere) -> bool {
         const K: f32 = 32.0 / (1 << 24) as f32;
@@ -126,8 +126,8 @@ const U: f64 = f64::EPSILON / 2.0;
 /// The least parameter in the ray's range at which it meets the sphere.
 ///
 /// It depends on nothing but the ray and the sphere, and counts as exact from here on: whichever accelerator asks, the
-/// order of hits is the same. It is the exact parameter within one unit in the last place of f32, except that rays which
-/// start on the surface and graze it may differ by more.
+/// order of hits is the same. It is the exact parameter within one unit in the last place of f32, except that rays
+/// which start on the surface and graze it may differ by more.
 #[inline]
 pub(super) fn parameter(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
     if prep.misses(ray.origin, sphere) { None } else { roots(sphere, ray, prep) }
@@ -135,11 +135,11 @@ pub(super) fn parameter(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option
 
 /// The rest of [`parameter`], for rays that may hit.
 ///
-/// Error of the discriminant with `u = 2^-53`: `b` carries four roundings (difference, product, two sums), so it is known
-/// within `4 u |f| |d|`; the squared length and its inverse carry four more, product and product with `d` two, which makes
-/// `10 u |f|`; the sum with `f`, known within `u |f|`, adds `u |f|`. So `nearest` is known within `12 u |f|`, its squared
-/// length within `24 u |f| |nearest| + 144 u^2 |f|^2 + 3 u |nearest|^2`, and the difference from `r^2`, which is exact,
-/// adds `u |discriminant|`.
+/// Error of the discriminant with `u = 2^-53`: `b` carries four roundings (difference, product, two sums), so it is
+/// known within `4 u |f| |d|`; the squared length and its inverse carry four more, product and product with `d` two,
+/// which makes `10 u |f|`; the sum with `f`, known within `u |f|`, adds `u |f|`. So `nearest` is known within
+/// `12 u |f|`, its squared length within `24 u |f| |nearest| + 144 u^2 |f|^2 + 3 u |nearest|^2`, and the difference from
+/// `r^2`, which is exact, adds `u |discriminant|`.
 #[inline(never)]
 fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
     if !sphere.is_usable() {

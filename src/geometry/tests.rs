@@ -162,7 +162,8 @@ fn sphere_parameter(o: V, d: V, centre: V, r: i128) -> Option<(f64, f64)> {
     let bits = ((126 - discriminant.max(1).ilog2().min(126)) / 2).min(40);
     let s = root(discriminant << (2 * bits));
     let parameter = |x: i128| x as f64 / a as f64 / 2f64.powi(bits as i32);
-    // The near root is at or above 0 if b >= 0 and b^2 >= discriminant, which is c >= 0; else the far one if c <= 0 or b >= 0.
+    // The near root is at or above 0 if b >= 0 and b^2 >= discriminant, which is c >= 0; else the far one if c <= 0 or
+    // b >= 0.
     if b >= 0 && c >= 0 {
         Some((parameter((b << bits) - s - 1), parameter((b << bits) - s)))
     } else if c <= 0 {
@@ -238,9 +239,11 @@ fn a_sphere_is_its_surface() {
     assert!(set.overlaps(0, &cell([-9.0, -9.0, -9.0], [9.0, 9.0, 9.0])), "contains it");
     assert!(set.overlaps(0, &cell([1.0, 2.0, 3.0], [1.0, 2.0, 5.0])), "a segment from the centre to the surface");
     assert_eq!(set.bounds(0), Aabb { min: Vec3::new(-1.0, 0.0, 1.0), max: Vec3::new(3.0, 4.0, 5.0) });
-    // 1 - 2^-30 lies between f32 values.
-    let set = vec![Sphere { centre: Vec3::ONE, radius: 2f32.powi(-30) }];
-    assert_eq!(set.bounds(0), Aabb { min: Vec3::splat(1f32.next_down()), max: Vec3::splat(1f32.next_up()) });
+    // 1 - 2^-30 lies between f32 values, 1 - 2^-100 between f64 values.
+    for radius in [2f32.powi(-30), 2f32.powi(-100)] {
+        let set = vec![Sphere { centre: Vec3::ONE, radius }];
+        assert_eq!(set.bounds(0), Aabb { min: Vec3::splat(1f32.next_down()), max: Vec3::splat(1f32.next_up()) });
+    }
     for (centre, radius) in [
         (Vec3::NAN, 1.0),
         (Vec3::ZERO, f32::NAN),

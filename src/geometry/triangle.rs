@@ -44,17 +44,18 @@ impl TrianglePrep {
     ///
     /// Corners relative to the origin are sheared to `(x - sx z, y - sy z)`, and the edge functions are cross products
     /// of two of them. With `e = 2^-24`, `p` the greatest of the sheared coordinates and `z` the greatest depth:
-    /// coordinates relative to the origin are at most `p + z` and carry an error of `e (p + z)`, the shear's product one
-    /// of `3 e z` (shear, depth, rounding), the final difference one of `e p`; so a sheared coordinate is known within
-    /// `s = e (2 p + 4 z)`. An edge function is then known within
-    /// `4 p s + 2 s^2 + 2 e p^2 + 2 e p^2 = 12 e p^2 + 16 e p z + 2 s^2`, the last two terms for the rounding of its
-    /// products and of their difference. `5 e (p + z)` and `17 e (p + 3 e z) (p + z)` are more than these by a sixteenth
-    /// at least, which is far more than the terms of higher order and the rounding of the bounds themselves.
+    /// coordinates relative to the origin are at most `p + z` and carry an error of `e (p + z)`, the shear's product
+    /// one of `3 e z` (shear, depth, rounding), the final difference one of `e p`; so a sheared coordinate is known
+    /// within `s = e (2 p + 4 z)`. An edge function is then known within
+    /// `4 p s + 2 s^2 + 2 e p^2 + 2 e p^2 = 12 e p^2 + 16 e p z + 2 s^2`, the last two terms
+    /// for the rounding of its products and of their difference. `5 e (p + z)`
+    /// and `17 e (p + 3 e z) (p + z)` are more than these by a sixteenth at least, which is far more than the terms of
+    /// higher order and the rounding of the bounds themselves.
     ///
     /// Underflow adds at most 2^-150 for each product, together less than 2^-126. An overflow or a NaN makes the bound
-    /// infinite or NaN: an infinite or NaN coordinate comes with infinite `p` or `z` (the shear is at most 1, so that its
-    /// product overflows only where `z` does) or from a corner that is not finite, and `p (p + z)` is at least as large
-    /// as any product.
+    /// infinite or NaN: an infinite or NaN coordinate comes with infinite `p` or `z` (the shear is at most 1, so that
+    /// its product overflows only where `z` does) or from a corner that is not finite, and `p (p + z)` is at least as
+    /// large as any product.
     #[inline]
     fn misses(&self, origin: Vec3, corners: &Triangle) -> bool {
         const E: f32 = 1.0 / (1 << 24) as f32;
@@ -116,10 +117,10 @@ pub(super) fn test<G: Geometry + ?Sized>(
 
 /// The second stage.
 ///
-/// Every quantity is a sum of six products of three differences of inputs. With `u = 2^-53` each product carries at most
-/// eight roundings (three differences, two products, three sums), so a sum is known within
-/// `8 u * 6 * (greatest components of the three factors)`; [`BOUND`] adds a sixth for higher orders and the bound's own
-/// rounding. Values are multiples of 2^-447 below 2^390 for every finite input: nothing over- or underflows.
+/// Every quantity is a sum of six products of three differences of inputs. With `u = 2^-53` each product carries at
+/// most eight roundings (three differences, two products, three sums), so a sum is known within
+/// `8 u * 6 * (greatest components of the three factors)`; [`BOUND`] adds a sixth for higher orders and the bound's own rounding. Values
+/// are multiples of 2^-447 below 2^390 for every finite input: nothing over- or underflows.
 #[inline(never)]
 fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &Ray, best: &mut Best) {
     const BOUND: f64 = 56.0 * (f64::EPSILON / 2.0);

@@ -41,13 +41,16 @@ pub fn load(spec: &str, options: &LoadOptions) -> Result<Scene> {
 /// Reads a .gltf, .glb or .obj file; every coordinate that is left is finite.
 pub(super) fn read_mesh_file(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    let mut parts = match extension.as_deref() {
+    type Read = fn(&Path, &LoadOptions) -> Result<SceneParts>;
+    let read: Option<Read> = match extension.as_deref() {
         #[cfg(feature = "gltf")]
-        Some("gltf" | "glb") => super::gltf::read(path, options)?,
+        Some("gltf" | "glb") => Some(super::gltf::read),
         #[cfg(feature = "obj")]
-        Some("obj") => super::obj::read(path, options)?,
-        _ => return Err(Error::malformed(path, "not a kind of mesh file that is read (.gltf, .glb, .obj)")),
+        Some("obj") => Some(super::obj::read),
+        _ => None,
     };
+    let cause = "not a kind of mesh file that this build reads (.gltf, .glb, .obj)";
+    let mut parts = read.ok_or_else(|| Error::malformed(path, cause))?(path, options)?;
     make_finite(&mut parts, path, options)?;
     Ok(parts)
 }

@@ -32,6 +32,7 @@ pub(super) fn decode(bytes: &[u8], name: &str, srgb: bool, filter: Filter) -> Re
 }
 
 /// The mean of all texels, linear RGB.
+#[cfg(any(feature = "gltf", test))]
 pub(super) fn mean(texture: &Texture) -> Vec3 {
     let sum = texture.texels.iter().fold(glam::DVec3::ZERO, |sum, t| sum + t.as_dvec3());
     (sum / texture.texels.len().max(1) as f64).as_vec3()

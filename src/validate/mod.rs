@@ -31,7 +31,8 @@ pub struct Options<'a> {
     pub threads: Option<usize>,
     /// Independent renders of ours against Mitsuba's mean, at least 2.
     pub replicates: u32,
-    /// Samples for each pixel in each of them.
+    /// Samples for each pixel in each of them. With 8 renders of 32, 0.3 % more albedo fails in the reference scenes
+    /// `cornell` and `textured`; with 16, 1 % fails in every scene tried and 0.3 % in `textured` only.
     pub spp: u32,
     /// Keep pictures in the report, for [`Report::html`] and [`Report::write_pictures`].
     pub keep_pictures: bool,

@@ -210,6 +210,24 @@ fn what_is_no_scene_is_explained() {
 }
 
 #[test]
+fn bare_primitives_keep_their_indices() {
+    let folder = folder("bare");
+    let bad = [Vec3::NAN, Vec3::X, Vec3::Y];
+    let good = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let path = folder.join("two.tri");
+    skipgrid::scene::raw::write_triangles(&path, &[bad, good]).expect("the folder can be written");
+    let s = read(&path).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((s.triangle_count(), corners(&s, 1)), (2, good));
+    assert!(s.warnings[0].contains("two.tri: 1 primitives are not finite"), "{:?}", s.warnings);
+    let ball = |radius| skipgrid::Sphere { centre: Vec3::ONE, radius };
+    let path = folder.join("two.sph");
+    skipgrid::scene::raw::write_spheres(&path, &[ball(-1.0), ball(2.0)]).expect("the folder can be written");
+    let s = read(&path).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(s.spheres, [ball(-1.0), ball(2.0)]);
+    assert!(s.warnings[0].contains("two.sph: 1 primitives are not finite"), "{:?}", s.warnings);
+}
+
+#[test]
 fn the_shared_scenes_have_the_triangles_of_their_list() {
     let Some(folder) = shared("scenes") else { return };
     let list = std::fs::read_to_string(folder.join("SOURCES.md")).expect("the list is beside the scenes");

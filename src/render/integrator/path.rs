@@ -93,11 +93,11 @@ pub(in super::super) fn radiance<A: Accel + ?Sized>(
         }
 
         let lobe = Lobe::at(stage.scene, &vertex);
-        let by_light = samples.four(2 * edge - 1);
         if !lobe.is_delta() {
-            result += throughput * connect(tracer, &vertex, &lobe, by_light, share);
+            result += throughput * connect(tracer, &vertex, &lobe, samples.four(2 * edge - 1), share);
         }
-        let Some(scattered) = lobe.sample(&vertex, samples.four(2 * edge)) else { break };
+        let by_scattering = samples.four(2 * edge);
+        let Some(scattered) = lobe.sample(&vertex, by_scattering) else { break };
         throughput *= scattered.weight;
         eta *= scattered.eta;
         // The scaling of radiance at refractions says nothing about how much the path still matters.
@@ -107,7 +107,7 @@ pub(in super::super) fn radiance<A: Accel + ?Sized>(
         }
         if edge >= stage.rr_depth {
             let survival = strength.min(MAX_SURVIVAL);
-            if by_light[3] >= survival {
+            if by_scattering[3] >= survival {
                 break;
             }
             throughput /= survival;

@@ -42,7 +42,8 @@ fn body(options: &Options) -> Result<Body> {
     for car in 0..n {
         let (row, column) = ((f64::from(car) / in_row).floor(), f64::from(car) % in_row);
         let turn = DVec3::new(0.0, rng.within(-8.0, 8.0), 0.0);
-        let place = DVec3::new(6.0 * row + rng.within(-0.3, 0.3), 0.0, 3.0 * column + rng.within(-0.2, 0.2));
+        let (x, z) = (6.0 * (row - (in_row - 1.0) / 2.0), 3.0 * (column - (in_row - 1.0) / 2.0));
+        let place = DVec3::new(x + rng.within(-0.3, 0.3), 0.0, z + rng.within(-0.2, 0.2));
         let parked = placement(DVec3::ONE, turn, place);
         for (slot, part) in [(2 * car, &shell), (2 * car + 1, &wheels)] {
             let mut mesh = Mesh { name: format!("{} {car}", part.name), material: slot, ..part.clone() };
@@ -139,6 +140,6 @@ fn stage(options: &Options) -> Stage {
     ]);
     let side = (options.n.unwrap_or(4) as f64).sqrt().ceil() as f32;
     // Below the tyres, which touch 0.
-    stage.props.push((floor(-0.02, 6.0 * side + 4.0), lambert("asphalt", 0.25, 0.25, 0.26)));
+    stage.props.push((floor(-0.02, 3.0 * side + 1.0), lambert("asphalt", 0.25, 0.25, 0.26)));
     stage
 }

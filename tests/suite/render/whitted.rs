@@ -205,3 +205,30 @@ fn shadow_rays_do_not_pass_glass_and_area_lights_light_nothing() {
     assert_eq!(skipgrid::render::omissions(&with_glass(true, true), Integrator::Whitted).len(), 1);
     assert!(skipgrid::render::omissions(&with_glass(true, true), Integrator::Path).is_empty());
 }
+
+#[test]
+fn depth_counts_edges_as_the_other_renderers_do() {
+    // A closed room of shining mirrors: every hit adds its emission.
+    let scene = scene(SceneParts {
+        meshes: vec![cuboid([-1.0, -2.0, -1.5], [1.0, 2.0, 1.0], false, 0)],
+        materials: vec![Material {
+            name: "shining mirror".into(),
+            bsdf: Bsdf::Mirror { reflectance: Vec3::splat(0.75) },
+            emission: Vec3::ONE,
+        }],
+        camera: probe([0.1, 0.2, 0.3], [0.5, -1.0, -0.8]),
+        ..SceneParts::default()
+    });
+    let series = |hits: u32| (0..hits).map(|k| 0.75f64.powi(k as i32)).sum::<f64>();
+    for max_depth in [1, 2, 3, 6, 256] {
+        // Mitsuba: as many hits as edges. POV-Ray: the last edge is the connection to a light.
+        let path = pixel(&scene, Integrator::Path, max_depth)[0];
+        let whitted = pixel(&scene, Integrator::Whitted, max_depth)[0];
+        // Beyond depth 5 roulette may end or strengthen a path.
+        if max_depth < 6 {
+            assert_relative_eq!(path, series(max_depth), max_relative = 1e-12);
+        }
+        // Branches that carry less than 1e-9 are cut.
+        assert_relative_eq!(whitted, series((max_depth - 1).max(1)), max_relative = 1e-8);
+    }
+}
