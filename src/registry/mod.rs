@@ -3,6 +3,7 @@
 mod spec;
 
 pub use spec::Spec;
+#[cfg(feature = "cli")]
 pub(crate) use spec::parse_bytes;
 
 use crate::accel::{Accel, BruteForce};

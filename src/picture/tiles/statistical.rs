@@ -71,7 +71,7 @@ pub struct StatisticalVerdict {
 
 /// Compares two estimates of the same picture by tiles of [`TILE`] x [`TILE`] pixels.
 ///
-/// The difference of two tile means is put over its standard error, to which [`MODEL_TOLERANCE`] is added, and judged
+/// The difference of two tile means is put over its standard error, to which `MODEL_TOLERANCE` is added, and judged
 /// by Student's t with the degrees of freedom of Welch and Satterthwaite. Pixels are taken as independent. The mean
 /// over the three channels takes them as fully correlated, which can only make its variance too large.
 ///
