@@ -5,11 +5,12 @@
 //!
 //! - **Frame.** Boxes and rays are handed over in a frame whose centre is the scene's and whose scale is a power of two, so
 //!   that coordinates lie in -0.5..=0.5 whatever the scene's size (obvhs loses all of a scene at 1e-12 and panics at 1e20).
-//! - **Rays** start in or near the scene's box, found in f64, and have a largest component of 1; negative zeros are gone. They
-//!   start a bit early, since `CwBvh` drops boxes that end before its own epsilon.
-//! - **Padding.** With coordinates below 0.75 and u = 2^-24, the ray handed over is off by at most 3u, the f32 box test and
-//!   the quantised boxes by some 12u, and the clamp of inverse directions at 2^23 by 4u: together below 2^-19. Boxes are
-//!   padded by 2^-17, and the best parameter handed back is raised by as much.
+//! - **Rays** that start near the scene are scaled by powers of two and run up a bit, since `CwBvh` drops boxes that end before
+//!   its own epsilon; all others start where they enter the scene's box, found in f64. The largest component of a direction is
+//!   1 to 2, and negative zeros are gone.
+//! - **Padding.** With coordinates of boxes below 0.75, of origins at most 2, and u = 2^-24, the ray handed over is off by at
+//!   most 8u, the f32 box test and the quantised boxes by some 30u, and the clamp of inverse directions at 2^23 by 6u: together
+//!   below 2^-18. Boxes are padded by 2^-17, and the best parameter handed back is raised by as much.
 //! - Primitives that no ray can hit, which make obvhs panic when they are not finite, are not handed over.
 //! - A ray that starts so far away that f64 cannot find the entry to within 2^-22 is tested against every primitive.
 
@@ -17,7 +18,7 @@ use crate::accel::{Accel, Counts, Hit, Memory, Probe, scan_all, scan_any};
 use crate::error::Result;
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray, clip};
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
@@ -158,8 +159,11 @@ struct Bvh<G, T> {
 
 /// World to frame: `(world - centre) * scale`, with a power of two as scale.
 struct Frame {
+    /// Numbers of f32.
     centre: DVec3,
     scale: f64,
+    /// The scale where f32 can hold it and what is scaled with it.
+    near_scale: Option<f32>,
     /// Half the edge lengths of the scene's padded box.
     half: DVec3,
 }
@@ -167,29 +171,61 @@ struct Frame {
 impl Frame {
     fn new(bounds: &Aabb) -> Self {
         if bounds.is_empty() {
-            return Self { centre: DVec3::ZERO, scale: 1.0, half: DVec3::ZERO };
+            return Self { centre: DVec3::ZERO, scale: 1.0, near_scale: None, half: DVec3::ZERO };
         }
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         // A point has no extent: any scale below the least distance of f32 will do.
         let extent = (max - min).max_element().max(1e-60);
         // The largest extent becomes 0.5..1.
         let scale = 2.0_f64.powi(-(extent.log2().floor() as i32) - 1);
-        Self { centre: (min + max) * 0.5, scale, half: (max - min) * 0.5 * scale + PADDING }
+        let near_scale = (1e-30..1e30).contains(&scale).then_some(scale as f32);
+        let centre = ((min + max) * 0.5).as_vec3().as_dvec3();
+        let half = (max - centre).max(centre - min) * scale + PADDING;
+        Self { centre, scale, near_scale, half }
     }
 
-    fn local(&self, world: DVec3) -> DVec3 {
+    fn to_local(&self, world: DVec3) -> DVec3 {
         (world - self.centre) * self.scale
     }
 
     fn local_box(&self, aabb: &Aabb) -> obvhs::aabb::Aabb {
-        let (min, max) = (self.local(aabb.min.as_dvec3()) - PADDING, self.local(aabb.max.as_dvec3()) + PADDING);
+        let (min, max) = (self.to_local(aabb.min.as_dvec3()) - PADDING, self.to_local(aabb.max.as_dvec3()) + PADDING);
         obvhs::aabb::Aabb { min: min.as_vec3a(), max: max.as_vec3a() }
     }
 
     /// The ray in the frame, or why it has none.
     #[inline]
     fn local_ray(&self, ray: &Ray) -> Entry {
-        let origin = self.local(ray.origin.as_dvec3());
+        self.near_ray(ray).unwrap_or_else(|| self.far_ray(ray))
+    }
+
+    /// The ray as it is, in f32 and by powers of two alone, if it starts within two units of the centre: subtracting the
+    /// centre and running up then round the origin by less than 6u, and nothing else is rounded.
+    #[inline]
+    fn near_ray(&self, ray: &Ray) -> Option<Entry> {
+        let scale = self.near_scale?;
+        let origin = (ray.origin - self.centre.as_vec3()) * scale;
+        let exponent = ray.direction.abs().max_element().to_bits() >> 23;
+        // Not so for a NaN; the exponents keep the scaled direction and its scale within the normal numbers.
+        if !(origin.abs().max_element() <= 2.0 && ray.t_min >= 0.0 && (1..=252).contains(&exponent)) {
+            return None;
+        }
+        // The largest component becomes 1..2.
+        let direction = ray.direction * f32::from_bits((254 - exponent) << 23);
+        let speed = f64::from(f32::from_bits(exponent << 23)) * self.scale;
+        let local = obvhs::ray::Ray::new(
+            vec3a(origin - direction * RUN_UP as f32),
+            vec3a(direction),
+            0.0,
+            raised(f64::from(ray.t_max) * speed + RUN_UP),
+        );
+        Some(Entry::Inside { local, speed, offset: RUN_UP })
+    }
+
+    /// The ray from where it enters the scene's box, found in f64.
+    #[cold]
+    fn far_ray(&self, ray: &Ray) -> Entry {
+        let origin = self.to_local(ray.origin.as_dvec3());
         // 2^-52 |o| is the rounding of the entry point.
         if origin.abs().max_element() > f64::from(1 << 30) {
             return Entry::TooFar;
@@ -203,18 +239,19 @@ impl Frame {
         let pace = 1.0 / speed;
         let start = enter - RUN_UP * pace;
         let local = obvhs::ray::Ray::new(
-            vec3a(origin + start * direction),
-            vec3a(direction * pace),
+            (origin + start * direction).as_vec3a(),
+            vec3a((direction * pace).as_vec3()),
             0.0,
             raised((leave - start) * speed),
         );
-        Entry::Inside { local, start, speed }
+        Entry::Inside { local, speed, offset: -start * speed }
     }
 }
 
-/// f64 to f32 with +0.0 for -0.0, which obvhs' tests do not treat alike.
-fn vec3a(v: DVec3) -> Vec3A {
-    v.as_vec3a() + Vec3A::ZERO
+/// Four lanes, with +0.0 for -0.0, which obvhs' tests do not treat alike.
+#[inline]
+fn vec3a(v: Vec3) -> Vec3A {
+    Vec3A::from(v) + Vec3A::ZERO
 }
 
 /// A parameter of the frame, raised by more than all errors of the box test.
@@ -227,11 +264,11 @@ fn raised(t: f64) -> f32 {
 enum Entry {
     Miss,
     TooFar,
-    /// The parameter `t` of the ray is `(t - start) * speed` in the frame.
+    /// The parameter `t` of the ray is `t * speed + offset` in the frame.
     Inside {
         local: obvhs::ray::Ray,
-        start: f64,
         speed: f64,
+        offset: f64,
     },
 }
 
@@ -253,14 +290,14 @@ impl<G: Geometry, T: Tree> Bvh<G, T> {
         let best = match self.frame.local_ray(&ray) {
             Entry::Miss => return None,
             Entry::TooFar => scan_all(&self.geometry, &ray, probe),
-            Entry::Inside { local, start, speed } => {
+            Entry::Inside { local, speed, offset } => {
                 let prep = self.geometry.prepare(&ray);
                 let mut best = Best::NONE;
                 tree.closest(local, |id| {
                     probe.test();
                     let before = best.prim();
                     self.geometry.test(self.prims[id], &ray, &prep, &mut best);
-                    if best.prim() == before { f32::INFINITY } else { raised((best.upper() - start) * speed) }
+                    if best.prim() == before { f32::INFINITY } else { raised(best.upper() * speed + offset) }
                 });
                 best
             }
