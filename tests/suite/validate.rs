@@ -71,12 +71,15 @@ fn shift_half_a_pixel(scene: &mut Scene, height: u32) {
     camera.target += right * (0.5 * pixel * (camera.target - camera.origin).length());
 }
 
-/// Misses every occluder for one shadow ray of a thousand, chosen by the ray's bits.
-struct DropsShadows<A>(A);
+/// Misses every occluder for one shadow ray of `one_in`, chosen by the ray's bits.
+struct DropsShadows<A> {
+    accel: A,
+    one_in: u64,
+}
 
 impl<A: Accel> Accel for DropsShadows<A> {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.0.closest_hit(ray)
+        self.accel.closest_hit(ray)
     }
     fn any_hit(&self, ray: &Ray) -> bool {
         let mut hash = 0u64;
@@ -84,19 +87,19 @@ impl<A: Accel> Accel for DropsShadows<A> {
             hash = (hash ^ u64::from(value.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             hash ^= hash >> 29;
         }
-        !hash.is_multiple_of(1000) && self.0.any_hit(ray)
+        !hash.is_multiple_of(self.one_in) && self.accel.any_hit(ray)
     }
     fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        self.0.closest_hit_counted(ray, counts)
+        self.accel.closest_hit_counted(ray, counts)
     }
     fn any_hit_counted(&self, ray: &Ray, _: &mut Counts) -> bool {
         self.any_hit(ray)
     }
     fn bounds(&self) -> Aabb {
-        self.0.bounds()
+        self.accel.bounds()
     }
     fn memory(&self) -> Memory {
-        self.0.memory()
+        self.accel.memory()
     }
 }
 
@@ -110,7 +113,11 @@ fn povray_agrees_and_every_fault_is_found() {
         assert_passes(case, &scene, &*scene.accel("grid").expect("built"));
         // The faster accelerator, since pictures do not depend on it.
         let accel = scene.accel("obvhs-cwbvh").expect("built");
-        assert_fails(case, &scene, &DropsShadows(&*accel), "0.1 % of the shadow rays dropped");
+        // Little of the stadium's picture lies in shadow: a thousandth changes about as many of its 19 200 pixels as
+        // graze an edge, 2, of which the validator allows three times as many.
+        let one_in = if case.name == "stadium" { 100 } else { 1000 };
+        let fault = format!("one shadow ray of {one_in} dropped");
+        assert_fails(case, &scene, &DropsShadows { accel: &*accel, one_in }, &fault);
         let mut bright = scene.clone();
         scale_albedo(&mut bright, 1.01);
         assert_fails(case, &bright, &*accel, "1 % more albedo");
