@@ -20,10 +20,8 @@ pub type Triangle = [Vec3; 3];
 /// What the triangle tests of one ray share: the shear that turns its direction into the axis `z`.
 #[derive(Clone, Copy, Debug)]
 pub struct TrianglePrep {
-    /// Axis of the direction's greatest component, and the other two.
+    /// Axis of the direction's greatest component.
     z: usize,
-    x: usize,
-    y: usize,
     /// The direction's other components over the greatest, in -1..=1.
     shear_x: f32,
     shear_y: f32,
@@ -36,7 +34,7 @@ impl TrianglePrep {
         let z = if dx >= dy && dx >= dz { 0 } else { 1 + usize::from(dz > dy) };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let d = ray.direction.as_dvec3().to_array();
-        Self { z, x, y, shear_x: (d[x] / d[z]) as f32, shear_y: (d[y] / d[z]) as f32 }
+        Self { z, shear_x: (d[x] / d[z]) as f32, shear_y: (d[y] / d[z]) as f32 }
     }
 
     /// True only if the ray's line certainly misses the closed triangle: all corners lie on one side of it along an
@@ -58,13 +56,23 @@ impl TrianglePrep {
     /// large as any product.
     #[inline]
     fn misses(&self, origin: Vec3, corners: &Triangle) -> bool {
+        // The branch goes the same way for all tests of a ray; within it, axes are known and no index is checked.
+        match self.z {
+            0 => self.misses_along::<1, 2, 0>(origin, corners),
+            1 => self.misses_along::<2, 0, 1>(origin, corners),
+            _ => self.misses_along::<0, 1, 2>(origin, corners),
+        }
+    }
+
+    #[inline(always)]
+    fn misses_along<const X: usize, const Y: usize, const Z: usize>(&self, origin: Vec3, corners: &Triangle) -> bool {
         const E: f32 = 1.0 / (1 << 24) as f32;
         let origin: &[f32; 3] = origin.as_ref();
         let shear = |corner: &Vec3| {
             let corner: &[f32; 3] = corner.as_ref();
-            let z = corner[self.z] - origin[self.z];
-            let x = (corner[self.x] - origin[self.x]) - self.shear_x * z;
-            let y = (corner[self.y] - origin[self.y]) - self.shear_y * z;
+            let z = corner[Z] - origin[Z];
+            let x = (corner[X] - origin[X]) - self.shear_x * z;
+            let y = (corner[Y] - origin[Y]) - self.shear_y * z;
             (x, y, z.abs())
         };
         let ((ax, ay, az), (bx, by, bz), (cx, cy, cz)) = (shear(&corners[0]), shear(&corners[1]), shear(&corners[2]));
