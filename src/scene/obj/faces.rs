@@ -86,10 +86,15 @@ impl Faces {
             text.push(b' ');
             text.extend_from_slice(written);
         } else {
-            for &[v, vt, vn] in corners {
-                text.extend(format!(" {}/", u64::from(v) + 1).bytes());
-                text.extend(has_uvs.then(|| (u64::from(vt) + 1).to_string()).unwrap_or_default().bytes());
-                text.extend(has_normals.then(|| format!("/{}", u64::from(vn) + 1)).unwrap_or_default().bytes());
+            for corner in corners {
+                let [v, vt, vn] = corner.map(|i| u64::from(i) + 1);
+                let corner = match (has_uvs, has_normals) {
+                    (true, true) => format!(" {v}/{vt}/{vn}"),
+                    (true, false) => format!(" {v}/{vt}"),
+                    (false, true) => format!(" {v}//{vn}"),
+                    (false, false) => format!(" {v}"),
+                };
+                text.extend(corner.bytes());
             }
         }
         text.push(b'\n');
