@@ -58,7 +58,7 @@ fn statement(keyword: &[u8], rest: &[u8]) -> std::result::Result<String, String>
         }
         b"d" | b"Tr" | b"Ni" => format!("{key} {}\n", number(rest)?),
         b"illum" => format!("{key} {}\n", number(rest)?.clamp(0.0, 100.0) as u8),
-        b"map_Kd" if rest.is_empty() => return Err("`map_Kd` without a file".into()),
+        b"map_Kd" if String::from_utf8_lossy(rest).trim().is_empty() => return Err("`map_Kd` without a file".into()),
         b"map_Kd" => format!("{key} {}\n", String::from_utf8_lossy(rest)),
         _ => String::new(),
     })
@@ -103,6 +103,7 @@ mod tests {
             ("Ke", "line 3: `` is no colour"),
             ("Ni glass", "line 3: `glass` is no finite number"),
             ("map_Kd", "line 3: `map_Kd` without a file"),
+            ("map_Kd \u{b}\u{a0}", "line 3: `map_Kd` without a file"),
             ("newmtl more", "line 3: more than"),
         ] {
             let text = format!("Kd before any material\nnewmtl one\n{line}\n");
