@@ -279,3 +279,53 @@ fn obj_errors_name_the_line() {
         assert!(message.contains(cause), "{line}\n{message}");
     }
 }
+
+#[test]
+fn obj_corners_keep_what_is_theirs() {
+    let folder = folder("obj-corners");
+    // One mesh of corners of all kinds, relative and absolute, and a line of three points, which is no triangle.
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5\nvt 0.25 0.75 0\nf 1 2 3\nf -3/-1 -2/1 -1/2\nl 1 2 3\np 1\nf 1/1 2/2 3\n\
+        v 2 2 2 2\nv 5 6 7 0.1 0.2 0.3\nf 4 5 -5\n";
+    let s = expect(&folder, "kinds.obj", obj);
+    let mesh = &s.meshes[0];
+    assert_eq!((s.meshes.len(), mesh.triangles.len()), (1, 4));
+    assert_eq!(mesh.uvs.len(), mesh.positions.len());
+    let mut corners: Vec<_> = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|i| (mesh.positions[i as usize].to_array(), mesh.uvs[i as usize].to_array())))
+        .collect();
+    let (o, x, y, none) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 2]);
+    let far = [([1.0; 3], none), ([5.0, 6.0, 7.0], none), (o, none)];
+    let plain = [(o, none), (x, none), (y, none)];
+    let mapped = [(o, [0.25, 0.25]), (x, [0.5, 1.0]), (y, [0.25, 0.25])];
+    let mut wanted = vec![plain, mapped, plain, far];
+    let order =
+        |a: &[([f32; 3], [f32; 2]); 3], b: &[([f32; 3], [f32; 2]); 3]| a.partial_cmp(b).expect("no coordinate is NaN");
+    corners.sort_by(order);
+    wanted.sort_by(order);
+    assert_eq!(corners, wanted);
+    for cause in ["1 faces have normals or texture", "1 statements `l`", "1 statements `p`"] {
+        assert!(s.warnings.iter().any(|w| w.contains(cause)), "{cause}: {:?}", s.warnings);
+    }
+}
+
+#[test]
+fn what_an_obj_lacks_is_named_with_its_line() {
+    let folder = folder("obj-lacks");
+    std::fs::write(folder.join("two.mtl"), "newmtl two\n\nKd 0.5 0.5\n").expect("the folder can be written");
+    let obj = "mtllib gone.mtl\nmtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl two\nf 1//7 2//8 3//9\n";
+    let s = expect(&folder, "lacks.obj", obj);
+    assert_eq!((s.triangle_count(), s.materials[s.meshes[0].material as usize].name.as_str()), (1, "grey"));
+    for cause in [
+        "lacks.obj: line 1: no materials: ",
+        "gone.mtl",
+        "two.mtl: line 3: `0.5 0.5` is no colour",
+        "lacks.obj: line 6: no material `two`",
+        "faces refer to normals or texture coordinates where the file has none",
+    ] {
+        assert!(s.warnings.iter().any(|w| w.contains(cause)), "{cause}: {:?}", s.warnings);
+    }
+    let message = message(&folder, "long.obj", &format!("g {}\n", "x".repeat(256)));
+    assert!(message.contains("line 1: a name of 256 bytes"), "{message}");
+}

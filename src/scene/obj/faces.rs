@@ -1,8 +1,5 @@
-//! Gathers faces into meshes with one index for each different corner.
+//! Sorts faces by group, material and kind of corner, so that `tobj` makes one model of each.
 
-use crate::scene::Mesh;
-use crate::scene::transform::make_normals_unit;
-use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
 /// An index that a corner does not have.
@@ -11,112 +8,121 @@ pub(super) const NONE: u32 = u32::MAX;
 /// All faces so far.
 #[derive(Default)]
 pub(super) struct Faces {
-    /// Position, texture coordinate and normal of the corners of the face at hand.
-    pub corners: Vec<[u32; 3]>,
     /// Faces with fewer than three corners.
     pub too_small: usize,
-    group: String,
-    material: Option<u32>,
-    /// The mesh of the group and material at hand, once it has a face.
-    current: Option<usize>,
-    by_key: HashMap<(String, Option<u32>), usize>,
-    builders: Vec<Builder>,
+    /// Faces with normals or texture coordinates at some corners only.
+    pub mixed: usize,
+    /// Of all faces that are kept.
+    pub corners: u64,
+    /// Names, each with the line of its first use.
+    pub materials: Vec<(String, usize)>,
+    /// In the order of their first faces.
+    pub sets: Vec<Set>,
+    groups: Vec<String>,
+    group_numbers: HashMap<String, usize>,
+    material_numbers: HashMap<String, usize>,
+    numbers: HashMap<Key, usize>,
+    at_hand: Option<Key>,
+    current: usize,
+    group: Option<usize>,
+    material: Option<usize>,
 }
 
-#[derive(Default)]
-struct Builder {
-    mesh: Mesh,
-    material: Option<u32>,
-    vertices: HashMap<[u32; 3], u32>,
-    without_normal: bool,
-    with_normal: bool,
-    with_uv: bool,
+/// Faces that are of a kind.
+pub(super) struct Set {
+    pub key: Key,
+    text: Vec<u8>,
+}
+
+/// What faces have in common.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Key {
+    /// A number; none before the first group.
+    pub group: Option<usize>,
+    /// A number; none before the first material.
+    material: Option<usize>,
+    pub has_uvs: bool,
+    pub has_normals: bool,
 }
 
 impl Faces {
     pub(super) fn set_group(&mut self, name: &str) {
-        self.group = name.to_owned();
-        self.current = None;
+        self.group = (!name.is_empty()).then(|| match self.group_numbers.get(name) {
+            Some(&known) => known,
+            None => {
+                self.groups.push(name.to_owned());
+                self.group_numbers.insert(name.to_owned(), self.groups.len() - 1);
+                self.groups.len() - 1
+            }
+        });
     }
 
-    pub(super) fn set_material(&mut self, material: Option<u32>) {
-        self.material = material;
-        self.current = None;
+    pub(super) fn set_material(&mut self, name: &str, line: usize) {
+        self.material = Some(match self.material_numbers.get(name) {
+            Some(&known) => known,
+            None => {
+                self.materials.push((name.to_owned(), line));
+                self.material_numbers.insert(name.to_owned(), self.materials.len() - 1);
+                self.materials.len() - 1
+            }
+        });
     }
 
-    /// Adds the face of `corners`, whose indices are in range. The error is the cause alone.
-    pub(super) fn add(&mut self, positions: &[Vec3], normals: &[Vec3], uvs: &[Vec2]) -> Result<(), String> {
-        if self.corners.len() < 3 {
+    /// Adds a face whose indices are from 0 and in range; `written` is its text if that can be kept.
+    pub(super) fn add(&mut self, corners: &[[u32; 3]], written: Option<&[u8]>) {
+        if corners.len() < 3 {
             self.too_small += 1;
-            return Ok(());
+            return;
         }
-        let current = match self.current {
-            Some(current) => current,
-            None => self.start(),
-        };
-        self.current = Some(current);
-        let builder = &mut self.builders[current];
-        let mut first_two = [0; 2];
-        for (k, corner) in self.corners.iter().enumerate() {
-            let index = builder.vertex(*corner, positions, normals, uvs)?;
-            match first_two.get_mut(k) {
-                Some(place) => *place = index,
-                None => {
-                    builder.mesh.triangles.push([first_two[0], first_two[1], index]);
-                    first_two[1] = index;
-                }
+        self.corners += corners.len() as u64;
+        let count = |k: usize| corners.iter().filter(|c| c[k] != NONE).count();
+        let (uvs, normals) = (count(1), count(2));
+        let (has_uvs, has_normals) = (uvs == corners.len(), normals == corners.len());
+        let is_mixed = (uvs > 0 && !has_uvs) || (normals > 0 && !has_normals);
+        self.mixed += usize::from(is_mixed);
+        let text = self.set(Key { group: self.group, material: self.material, has_uvs, has_normals });
+        text.extend_from_slice(b"f");
+        if let Some(written) = written.filter(|_| !is_mixed) {
+            text.push(b' ');
+            text.extend_from_slice(written);
+        } else {
+            for corner in corners {
+                let [v, vt, vn] = corner.map(|i| u64::from(i) + 1);
+                let corner = match (has_uvs, has_normals) {
+                    (true, true) => format!(" {v}/{vt}/{vn}"),
+                    (true, false) => format!(" {v}/{vt}"),
+                    (false, true) => format!(" {v}//{vn}"),
+                    (false, false) => format!(" {v}"),
+                };
+                text.extend(corner.bytes());
             }
         }
-        Ok(())
+        text.push(b'\n');
     }
 
-    /// The mesh for the group and material at hand.
-    fn start(&mut self) -> usize {
-        let next = self.builders.len();
-        let found = *self.by_key.entry((self.group.clone(), self.material)).or_insert(next);
-        if found == next {
-            let name = if self.group.is_empty() { format!("mesh {next}") } else { self.group.clone() };
-            let mesh = Mesh { name, ..Mesh::default() };
-            self.builders.push(Builder { mesh, material: self.material, ..Builder::default() });
-        }
-        found
-    }
-
-    /// Meshes with normals at some corners only; they lose them.
-    pub(super) fn partial_normals(&self) -> usize {
-        self.builders.iter().filter(|b| b.without_normal && b.with_normal).count()
-    }
-
-    /// The meshes in order of their first faces, each with its material.
-    pub(super) fn meshes(self) -> impl Iterator<Item = (Mesh, Option<u32>)> {
-        self.builders.into_iter().map(|mut builder| {
-            if builder.without_normal {
-                builder.mesh.normals.clear();
+    fn set(&mut self, key: Key) -> &mut Vec<u8> {
+        if self.at_hand != Some(key) {
+            self.at_hand = Some(key);
+            self.current = *self.numbers.entry(key).or_insert(self.sets.len());
+            if self.current == self.sets.len() {
+                self.sets.push(Set { key, text: Vec::new() });
             }
-            if !builder.with_uv {
-                builder.mesh.uvs.clear();
-            }
-            make_normals_unit(&mut builder.mesh);
-            (builder.mesh, builder.material)
-        })
-    }
-}
-
-impl Builder {
-    fn vertex(&mut self, corner: [u32; 3], positions: &[Vec3], normals: &[Vec3], uvs: &[Vec2]) -> Result<u32, String> {
-        if let Some(&known) = self.vertices.get(&corner) {
-            return Ok(known);
         }
-        let index = u32::try_from(self.mesh.positions.len()).map_err(|_| "more than 2^32 vertices")?;
-        let [v, vt, vn] = corner;
-        self.mesh.positions.push(positions[v as usize]);
-        // Gaps are filled, so that lists stay of one length; `meshes` drops lists that are nothing but gaps.
-        self.mesh.normals.push(normals.get(vn as usize).copied().unwrap_or_default());
-        self.mesh.uvs.push(uvs.get(vt as usize).copied().unwrap_or_default());
-        self.without_normal |= vn == NONE;
-        self.with_normal |= vn != NONE;
-        self.with_uv |= vt != NONE;
-        self.vertices.insert(corner, index);
-        Ok(index)
+        &mut self.sets[self.current].text
+    }
+
+    /// Appends the faces; group names are replaced by the numbers of the sets.
+    pub(super) fn write(&self, text: &mut Vec<u8>) {
+        for (n, set) in self.sets.iter().enumerate() {
+            text.extend(format!("g {n}\n").bytes());
+            if let Some((name, _)) = set.key.material.and_then(|m| self.materials.get(m)) {
+                text.extend(format!("usemtl {name}\n").bytes());
+            }
+            text.extend_from_slice(&set.text);
+        }
+    }
+
+    pub(super) fn group_name(&self, group: Option<usize>) -> Option<&str> {
+        group.and_then(|g| self.groups.get(g)).map(String::as_str)
     }
 }
