@@ -13,6 +13,8 @@ pub mod grid;
 pub mod measure;
 #[cfg(feature = "picture")]
 pub mod picture;
+#[cfg(feature = "scene")]
+mod random;
 pub mod ray;
 pub mod registry;
 #[cfg(feature = "render")]

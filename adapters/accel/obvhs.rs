@@ -14,7 +14,7 @@
 //! - Primitives that no ray can hit, which make obvhs panic when they are not finite, are not handed over.
 //! - A ray that starts so far away that f64 cannot find the entry to within 2^-22 is tested against every primitive.
 
-use crate::accel::{Accel, Counts, Hit, Memory, Probe, scan_all, scan_any};
+use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::error::Result;
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray, clip};
@@ -89,45 +89,31 @@ trait Tree: Send + Sync + Sized {
     fn node_bytes(&self) -> usize;
 }
 
-impl Tree for Bvh2 {
-    fn build(boxes: &[obvhs::aabb::Aabb], params: BvhBuildParams) -> Self {
-        build_bvh2(boxes, params, &mut Duration::default())
-    }
-    #[inline]
-    fn closest(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) {
-        self.ray_traverse(ray, &mut RayHit::none(), |_, id| leaf(id));
-    }
-    #[inline]
-    fn any(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) -> bool {
-        !self.ray_traverse_miss(ray, |_, id| leaf(id))
-    }
-    fn order(&self) -> &[u32] {
-        &self.primitive_indices
-    }
-    fn node_bytes(&self) -> usize {
-        std::mem::size_of_val(self.nodes.as_slice())
-    }
+macro_rules! tree {
+    ($tree:ty, $build:ident) => {
+        impl Tree for $tree {
+            fn build(boxes: &[obvhs::aabb::Aabb], params: BvhBuildParams) -> Self {
+                $build(boxes, params, &mut Duration::default())
+            }
+            #[inline]
+            fn closest(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) {
+                self.ray_traverse(ray, &mut RayHit::none(), |_, id| leaf(id));
+            }
+            #[inline]
+            fn any(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) -> bool {
+                !self.ray_traverse_miss(ray, |_, id| leaf(id))
+            }
+            fn order(&self) -> &[u32] {
+                &self.primitive_indices
+            }
+            fn node_bytes(&self) -> usize {
+                std::mem::size_of_val(self.nodes.as_slice())
+            }
+        }
+    };
 }
-
-impl Tree for CwBvh {
-    fn build(boxes: &[obvhs::aabb::Aabb], params: BvhBuildParams) -> Self {
-        build_cwbvh(boxes, params, &mut Duration::default())
-    }
-    #[inline]
-    fn closest(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) {
-        self.ray_traverse(ray, &mut RayHit::none(), |_, id| leaf(id));
-    }
-    #[inline]
-    fn any(&self, ray: obvhs::ray::Ray, mut leaf: impl FnMut(usize) -> f32) -> bool {
-        !self.ray_traverse_miss(ray, |_, id| leaf(id))
-    }
-    fn order(&self) -> &[u32] {
-        &self.primitive_indices
-    }
-    fn node_bytes(&self) -> usize {
-        std::mem::size_of_val(self.nodes.as_slice())
-    }
-}
+tree!(Bvh2, build_bvh2);
+tree!(CwBvh, build_cwbvh);
 
 /// Builds obvhs' two-wide BVH over `geometry`.
 ///
@@ -325,23 +311,7 @@ impl<G: Geometry, T: Tree> Bvh<G, T> {
 }
 
 impl<G: Geometry, T: Tree> Accel for Bvh<G, T> {
-    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray, &mut ())
-    }
-
-    fn any_hit(&self, ray: &Ray) -> bool {
-        self.any(ray, &mut ())
-    }
-
-    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        counts.rays += 1;
-        self.closest(ray, counts)
-    }
-
-    fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
-        counts.rays += 1;
-        self.any(ray, counts)
-    }
+    queries_with_probe!(closest, any);
 
     fn bounds(&self) -> Aabb {
         self.bounds

@@ -1,6 +1,6 @@
 //! Every primitive for every ray: the accelerator that cannot be wrong about where primitives lie.
 
-use super::{Accel, Counts, Hit, Memory, Probe};
+use super::{Accel, Hit, Memory, Probe, queries_with_probe};
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray};
 
@@ -56,23 +56,7 @@ pub(crate) fn scan_any<G: Geometry, P: Probe>(geometry: &G, ray: &Ray, probe: &m
 }
 
 impl<G: Geometry> Accel for BruteForce<G> {
-    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray, &mut ())
-    }
-
-    fn any_hit(&self, ray: &Ray) -> bool {
-        self.any(ray, &mut ())
-    }
-
-    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        counts.rays += 1;
-        self.closest(ray, counts)
-    }
-
-    fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
-        counts.rays += 1;
-        self.any(ray, counts)
-    }
+    queries_with_probe!(closest, any);
 
     fn bounds(&self) -> Aabb {
         self.bounds

@@ -51,6 +51,34 @@ pub trait Accel: Send + Sync {
     }
 }
 
+/// The four queries of [`Accel`], from two methods of the type that take a [`Probe`].
+macro_rules! queries_with_probe {
+    ($closest:ident, $any:ident) => {
+        fn closest_hit(&self, ray: &$crate::ray::Ray) -> Option<$crate::accel::Hit> {
+            self.$closest(ray, &mut ())
+        }
+
+        fn any_hit(&self, ray: &$crate::ray::Ray) -> bool {
+            self.$any(ray, &mut ())
+        }
+
+        fn closest_hit_counted(
+            &self,
+            ray: &$crate::ray::Ray,
+            counts: &mut $crate::accel::Counts,
+        ) -> Option<$crate::accel::Hit> {
+            counts.rays += 1;
+            self.$closest(ray, counts)
+        }
+
+        fn any_hit_counted(&self, ray: &$crate::ray::Ray, counts: &mut $crate::accel::Counts) -> bool {
+            counts.rays += 1;
+            self.$any(ray, counts)
+        }
+    };
+}
+pub(crate) use queries_with_probe;
+
 /// Bytes that an accelerator holds beside the geometry, by purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Memory {

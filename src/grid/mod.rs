@@ -20,7 +20,7 @@ mod walk;
 
 pub use options::GridOptions;
 
-use crate::accel::{Accel, Counts, Hit, Memory, Probe, scan_all, scan_any};
+use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray};
 use cells::Cells;
@@ -126,23 +126,7 @@ impl<G: Geometry> Grid<G> {
 }
 
 impl<G: Geometry> Accel for Grid<G> {
-    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.closest_hit_with(ray, &mut ())
-    }
-
-    fn any_hit(&self, ray: &Ray) -> bool {
-        self.any_hit_with(ray, &mut ())
-    }
-
-    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        counts.rays += 1;
-        self.closest_hit_with(ray, counts)
-    }
-
-    fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
-        counts.rays += 1;
-        self.any_hit_with(ray, counts)
-    }
+    queries_with_probe!(closest_hit_with, any_hit_with);
 
     fn bounds(&self) -> Aabb {
         self.bounds

@@ -3,7 +3,6 @@
 mod compare;
 mod machine;
 pub mod npy;
-mod random;
 mod rays;
 
 pub use compare::{Build, Comparison, Difference, Kind, Rate, Rounds, Row, compare, compare_with};

@@ -1,8 +1,8 @@
 //! The rays that a renderer would ask for: camera, shadow and diffuse-bounce rays of a scene.
 
-use super::random::Random;
 use crate::accel::Accel;
 use crate::error::{Error, Result};
+use crate::random::Random;
 use crate::ray::{Aabb, Ray};
 use crate::scene::{Light, Scene, Surface};
 use glam::{DVec3, Vec3};

@@ -44,7 +44,7 @@ pub fn colour(level: f32) -> [f32; 3] {
     // at lies in 0..=last + 1.
     let i = (at as usize).min(last);
     let f = at - i as f32;
-    [0, 1, 2].map(|c| srgb::decode(RAMP[i][c] + f * (RAMP[i + 1][c] - RAMP[i][c])))
+    [0, 1, 2].map(|c| srgb::decode(f64::from(RAMP[i][c] + f * (RAMP[i + 1][c] - RAMP[i][c]))))
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
 //! The sRGB transfer function, IEC 61966-2-1.
 
-/// Linear light of an sRGB value; both 0 to 1.
-pub fn decode(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+/// Linear light of an sRGB value; both 0 to 1. Computed in f64.
+pub fn decode(value: f64) -> f32 {
+    let light = if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
+    light as f32
 }
 
-/// sRGB value of linear light; both 0 to 1.
+/// sRGB value of linear light; both 0 to 1. Computed in f64.
 pub fn encode(light: f32) -> f32 {
-    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+    let light = f64::from(light);
+    let value = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    value as f32
 }
 
 /// sRGB value of linear light in 8 bits, nearest; clamped to 0..1, NaN becomes 0.
@@ -23,7 +26,7 @@ mod tests {
     #[test]
     fn bytes_survive_the_round_trip() {
         for byte in 0..=255u8 {
-            assert_eq!(to_byte(decode(f32::from(byte) / 255.0)), byte);
+            assert_eq!(to_byte(decode(f64::from(byte) / 255.0)), byte);
         }
         assert_eq!([f32::NAN, -1.0, f32::INFINITY].map(to_byte), [0, 0, 255]);
         // Middle grey of the standard: linear 0.2140 is 0.5 encoded.

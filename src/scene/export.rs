@@ -2,14 +2,14 @@
 
 use super::{Filter, Mesh, Scene, Texture};
 use crate::error::{Error, Result};
+use crate::picture::io::replace_file;
+use crate::picture::srgb;
 use crate::ray::Aabb;
 use glam::{DVec3, Vec3};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::borrow::Cow;
-use std::ffi::OsString;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// What an exported file asks of the other renderer.
@@ -206,7 +206,7 @@ impl Assets {
             ));
         }
         let bytes: Vec<u8> = if srgb {
-            texels().flat_map(|t| t.to_array()).map(encode_srgb).collect()
+            texels().flat_map(|t| t.to_array()).map(srgb::to_byte).collect()
         } else {
             texels().flat_map(|t| t.to_array()).flat_map(|c| encode_linear(c).to_ne_bytes()).collect()
         };
@@ -222,13 +222,6 @@ impl Assets {
     }
 }
 
-/// The sRGB code, 0 to 255, of a linear value (IEC 61966-2-1); the inverse of decoding for all 256 codes.
-fn encode_srgb(linear: f32) -> u8 {
-    let c = f64::from(linear).clamp(0.0, 1.0);
-    let encoded = if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-    (encoded * 255.0).round().clamp(0.0, 255.0) as u8
-}
-
 /// The 16-bit code of a linear value. Values that came from 8 bits are exact.
 fn encode_linear(linear: f32) -> u16 {
     (f64::from(linear) * 65535.0).round().clamp(0.0, 65535.0) as u16
@@ -239,22 +232,9 @@ fn encode_linear(linear: f32) -> u16 {
 /// # Errors
 /// The file cannot be written.
 pub(super) fn write_whole(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    let mut name = OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let temporary = path.with_file_name(name);
-    let write = || {
-        let mut file = BufWriter::new(File::create(&temporary)?);
-        content(&mut file)?;
-        file.flush()?;
-        drop(file);
-        fs::rename(&temporary, path)
-    };
-    write().map_err(|e| {
-        // The first error counts; the temporary file may not even exist.
-        let _ = fs::remove_file(&temporary);
-        Error::io(path, e)
-    })
+    let mut bytes = Vec::new();
+    content(&mut bytes).map_err(|e| Error::io(path, e))?;
+    replace_file(path, &bytes)
 }
 
 #[cfg(test)]
@@ -275,11 +255,10 @@ mod tests {
     fn srgb_codes_survive() {
         for code in 0..=255u8 {
             let c = f64::from(code) / 255.0;
-            let linear = if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
-            assert_eq!(encode_srgb(linear as f32), code);
+            assert_eq!(srgb::to_byte(srgb::decode(c)), code);
             assert_eq!(encode_linear((c) as f32), u16::from(code) * 257);
         }
-        assert_eq!((encode_srgb(f32::NAN), encode_linear(f32::NAN)), (0, 0));
+        assert_eq!((srgb::to_byte(f32::NAN), encode_linear(f32::NAN)), (0, 0));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! `tobj` reads the text, resolves materials and cuts faces into fans of triangles. It never says where an error is,
 //! panics on some, reads a polyline of three points as a triangle, and mixes up lists when only some corners have
-//! normals. So every line is checked before, and what reaches `tobj` is plain: see [`check`] and [`mtl`].
+//! normals. So every line is checked before, and what reaches `tobj` is plain: see `check.rs` and `mtl.rs`.
 //!
 //! There is one mesh for each pair of group (or object) and material. Faces with fewer than three corners, points,
 //! lines and statements that are not read are counted in warnings. Texture coordinates are turned to v down. Normals are

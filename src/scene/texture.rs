@@ -59,14 +59,9 @@ fn has_sixteen_bits(picture: &DynamicImage) -> bool {
     matches!(picture, ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_))
 }
 
-/// Decodes one value, 0 to 1. Source: IEC 61966-2-1.
-fn linear(v: f64, srgb: bool) -> f32 {
-    let linear = match srgb {
-        false => v,
-        true if v <= 0.04045 => v / 12.92,
-        true => ((v + 0.055) / 1.055).powf(2.4),
-    };
-    linear as f32
+/// Decodes one value, 0 to 1.
+fn linear(v: f64, is_srgb: bool) -> f32 {
+    if is_srgb { crate::picture::srgb::decode(v) } else { v as f32 }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 const MAY_USE: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("ray", &[]),
+    ("random", &[]),
     ("picture", &["error"]),
     ("geometry", &["error", "ray"]),
     ("accel", &["geometry", "ray"]),
@@ -14,11 +15,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("adapters", &["accel", "error", "geometry", "ray"]),
     // Only the registry names an adapter.
     ("registry", &["accel", "adapters", "error", "geometry", "grid"]),
-    ("scene", &["accel", "error", "geometry", "picture", "ray", "registry"]),
+    ("scene", &["accel", "error", "geometry", "picture", "random", "ray", "registry"]),
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
-    ("measure", &["accel", "error", "ray", "scene"]),
+    ("measure", &["accel", "error", "random", "ray", "scene"]),
     ("cli", &["accel", "error", "measure", "picture", "ray", "registry", "render", "scene", "validate"]),
 ];
 

@@ -66,5 +66,5 @@ fn declares_linear(bytes: &[u8]) -> bool {
 }
 
 fn light(value: f32, linear: bool) -> f32 {
-    if linear { value } else { srgb::decode(value) }
+    if linear { value } else { srgb::decode(f64::from(value)) }
 }

@@ -1,9 +1,9 @@
 //! Cars: bodies and wheels of triangular patches, parked in rows.
 
 use super::patch::{Edge, append, patch};
-use super::rng::Rng;
 use super::{Body, Entry, Mesh, Options, Stage, daylight, floor, lambert};
 use crate::error::Result;
+use crate::random::Random;
 use crate::scene::transform::{apply, placement};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -35,7 +35,7 @@ const OUTLINE: [[f64; 4]; 10] = [
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(4, 1..=10_000)?;
-    let mut rng = Rng::new(options.seed.unwrap_or(1));
+    let mut rng = Random::new(options.seed.unwrap_or(1));
     let (shell, wheels) = (shell(), wheels());
     let in_row = f64::from(n).sqrt().ceil().max(1.0);
     let mut meshes = Vec::new();

@@ -9,7 +9,6 @@ mod knot;
 mod lanes;
 mod patch;
 mod random;
-mod rng;
 mod teapot;
 mod teapot_stadium;
 

@@ -1,9 +1,9 @@
 //! Random: spheres of random size at random places.
 
-use super::rng::Rng;
 use super::{Body, Entry, Options, Stage, daylight, lambert, mirror};
 use crate::error::Result;
 use crate::geometry::Sphere;
+use crate::random::Random;
 use glam::DVec3;
 
 pub(super) const ENTRY: Entry = Entry {
@@ -21,7 +21,7 @@ pub(super) const ENTRY: Entry = Entry {
 /// filled whatever n is (spheres may overlap and stick out of the cube).
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(1000, 1..=50_000_000)?;
-    let mut rng = Rng::new(options.seed.unwrap_or(1));
+    let mut rng = Random::new(options.seed.unwrap_or(1));
     let largest = 3.0 / f64::from(n).cbrt();
     let spheres = (0..n).map(|i| {
         let [x, y, z] = [0; 3].map(|_| rng.within(-5.0, 5.0));
