@@ -108,6 +108,10 @@ fn facts(scene: &Scene, spec: &str, accel: &dyn Accel, load_ms: f64, build_ms: f
 
     let memory = accel.memory();
     facts.push(("accelerator", spec.to_string(), json!(spec)));
+    let built = accel.describe();
+    if !built.is_empty() {
+        facts.push(("built", built.clone(), json!(built)));
+    }
     facts.push(("load ms", short(load_ms), json!(load_ms)));
     facts.push(("build ms", short(build_ms), json!(build_ms)));
     for (name, bytes) in [

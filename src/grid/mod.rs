@@ -153,3 +153,38 @@ impl<G: Geometry> Accel for Grid<G> {
         line
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn describes_what_was_built_and_what_was_left_out() {
+        let corner = |x: f32| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 0.05, 0.0, 0.0), Vec3::new(x, 0.1, 0.1)];
+        let triangles = vec![corner(0.0), corner(0.95), [Vec3::NAN; 3]];
+        let options = GridOptions { resolution: Some([10, 1, 1]), ..GridOptions::default() };
+        let grid = Grid::build(&triangles, &options).unwrap();
+        assert_eq!((grid.resolution(), grid.ignored()), ([10, 1, 1], 1));
+        let line = grid.describe();
+        assert!(
+            line.starts_with("10 x 1 x 1 voxels, 80.0 % empty, 1.00 references a filled voxel, mailbox left out"),
+            "{line}"
+        );
+        assert!(line.ends_with("1 primitives that no ray can hit left out"), "{line}");
+        assert_eq!(grid.memory().total(), 4 * (10 + 1 + 2));
+    }
+
+    #[test]
+    fn a_walk_takes_a_step_for_each_voxel() {
+        // One triangle far along +x, seen through 9 empty voxels: the walk takes a step for each.
+        let triangles =
+            vec![[Vec3::ZERO; 3], [Vec3::new(10.0, 0.0, 0.0), Vec3::new(10.0, 1.0, 0.0), Vec3::new(10.0, 0.0, 1.0)]];
+        let options = GridOptions { resolution: Some([10, 1, 1]), ..GridOptions::default() };
+        let grid = Grid::build(&triangles, &options).unwrap();
+        let mut counts = crate::accel::Counts::default();
+        let ray = Ray::new(Vec3::new(-5.0, 0.25, 0.25), Vec3::X);
+        assert_eq!(grid.closest_hit_counted(&ray, &mut counts), Some(Hit { t: 15.0, prim: 1 }));
+        assert_eq!((counts.steps, counts.tests), (10, 2));
+    }
+}

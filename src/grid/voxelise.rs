@@ -160,3 +160,71 @@ impl Iterator for Slices {
         Some((i, slice))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::GridOptions;
+    use crate::ray::Aabb;
+    use glam::Vec3;
+    use std::collections::BTreeSet;
+
+    /// Separating axes of a triangle and a box: three of the box, one of the triangle, nine cross products (Akenine-Möller
+    /// 2001). True if no axis separates them.
+    fn meets(corners: &[DVec3; 3], min: DVec3, max: DVec3) -> bool {
+        let (centre, half) = ((min + max) * 0.5, (max - min) * 0.5);
+        let corners = corners.map(|p| p - centre);
+        let edges = [corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]];
+        let mut axes = vec![edges[0].cross(edges[1])];
+        for axis in DVec3::AXES {
+            axes.push(axis);
+            axes.extend(edges.map(|e| e.cross(axis)));
+        }
+        axes.into_iter().all(|axis| {
+            let reach = half.dot(axis.abs());
+            let along = corners.map(|p| p.dot(axis));
+            let (low, high) =
+                (along.iter().copied().fold(f64::MAX, f64::min), along.iter().copied().fold(f64::MIN, f64::max));
+            low <= reach && high >= -reach
+        })
+    }
+
+    #[test]
+    fn triangles_are_in_exactly_the_voxels_that_they_meet() {
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 24) as f32
+        };
+        let bounds = Aabb { min: Vec3::ZERO, max: Vec3::new(1.0, 1.0, 0.6) };
+        let frame = Frame::new(&bounds, 1, &GridOptions { resolution: Some([13, 9, 5]), ..GridOptions::default() });
+        let mut visited_in_all = 0;
+        for i in 0..600 {
+            let mut point = || Vec3::new(unit(), unit(), 0.6 * unit());
+            let mut triangle = [point(), point(), point()];
+            match i % 4 {
+                // Small, flat on an axis, a sliver.
+                1 => triangle = triangle.map(|p| triangle[0] + (p - triangle[0]) * 0.1),
+                2 => triangle = triangle.map(|p| Vec3::new(p.x, 0.5, p.z)),
+                3 => triangle[2] = triangle[0] + (triangle[1] - triangle[0]) * 0.5 + Vec3::X * 1e-5,
+                _ => {}
+            }
+            let corners = triangle.map(|p| frame.local(p.as_dvec3()));
+            let mut visited = BTreeSet::new();
+            voxels_of(&vec![triangle], 0, &frame, &mut |v| assert!(visited.insert(v), "voxel {v} twice"));
+            visited_in_all += visited.len();
+            each([0; 3], frame.resolution.map(|n| n - 1), |v| {
+                let (least, index) = (DVec3::from(v.map(f64::from)), frame.index(v));
+                let padded = |padding: f64| meets(&corners, least - padding, least + 1.0 + padding);
+                // Between the two lies the rounding of f64.
+                if padded(PADDING * 0.999) {
+                    assert!(visited.contains(&index), "{triangle:?} misses {v:?}");
+                }
+                if !padded(PADDING * 1.001) {
+                    assert!(!visited.contains(&index), "{triangle:?} does not reach {v:?}");
+                }
+            });
+        }
+        assert!(visited_in_all > 5000, "{visited_in_all}");
+    }
+}
