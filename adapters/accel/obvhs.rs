@@ -15,7 +15,6 @@
 //! - A ray that starts so far away that f64 cannot find the entry to within 2^-22 is tested against every primitive.
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
-use crate::error::Result;
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray, clip};
 use glam::{DVec3, Vec3, Vec3A};
@@ -116,19 +115,13 @@ tree!(Bvh2, build_bvh2);
 tree!(CwBvh, build_cwbvh);
 
 /// Builds obvhs' two-wide BVH over `geometry`.
-///
-/// # Errors
-/// None at present; the signature leaves room for a memory budget.
-pub fn bvh2<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> Result<impl Accel + 'a> {
-    Ok(Bvh::<G, Bvh2>::build(geometry, preset))
+pub fn bvh2<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> impl Accel + 'a {
+    Bvh::<G, Bvh2>::build(geometry, preset)
 }
 
 /// Builds obvhs' eight-wide compressed BVH over `geometry`.
-///
-/// # Errors
-/// As [`bvh2`].
-pub fn cwbvh<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> Result<impl Accel + 'a> {
-    Ok(Bvh::<G, CwBvh>::build(geometry, preset))
+pub fn cwbvh<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> impl Accel + 'a {
+    Bvh::<G, CwBvh>::build(geometry, preset)
 }
 
 /// A tree over the primitives that can be hit.
@@ -145,8 +138,7 @@ struct Bvh<G, T> {
 
 /// World to frame: `(world - centre) * scale`, with a power of two as scale.
 struct Frame {
-    /// Numbers of f32.
-    centre: DVec3,
+    centre: Vec3,
     scale: f64,
     /// The scale where f32 can hold it and what is scaled with it.
     near_scale: Option<f32>,
@@ -157,7 +149,7 @@ struct Frame {
 impl Frame {
     fn new(bounds: &Aabb) -> Self {
         if bounds.is_empty() {
-            return Self { centre: DVec3::ZERO, scale: 1.0, near_scale: None, half: DVec3::ZERO };
+            return Self { centre: Vec3::ZERO, scale: 1.0, near_scale: None, half: DVec3::ZERO };
         }
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         // A point has no extent: any scale below the least distance of f32 will do.
@@ -165,13 +157,13 @@ impl Frame {
         // The largest extent becomes 0.5..1.
         let scale = 2.0_f64.powi(-(extent.log2().floor() as i32) - 1);
         let near_scale = (1e-30..1e30).contains(&scale).then_some(scale as f32);
-        let centre = ((min + max) * 0.5).as_vec3().as_dvec3();
-        let half = (max - centre).max(centre - min) * scale + PADDING;
+        let centre = ((min + max) * 0.5).as_vec3();
+        let half = (max - centre.as_dvec3()).max(centre.as_dvec3() - min) * scale + PADDING;
         Self { centre, scale, near_scale, half }
     }
 
     fn to_local(&self, world: DVec3) -> DVec3 {
-        (world - self.centre) * self.scale
+        (world - self.centre.as_dvec3()) * self.scale
     }
 
     fn local_box(&self, aabb: &Aabb) -> obvhs::aabb::Aabb {
@@ -190,7 +182,7 @@ impl Frame {
     #[inline]
     fn near_ray(&self, ray: &Ray) -> Option<Entry> {
         let scale = self.near_scale?;
-        let origin = (ray.origin - self.centre.as_vec3()) * scale;
+        let origin = (ray.origin - self.centre) * scale;
         let exponent = ray.direction.abs().max_element().to_bits() >> 23;
         // Not so for a NaN; the exponents keep the scaled direction and its scale within the normal numbers.
         if !(origin.abs().max_element() <= 2.0 && ray.t_min >= 0.0 && (1..=252).contains(&exponent)) {

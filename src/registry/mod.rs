@@ -3,6 +3,8 @@
 mod spec;
 
 pub use spec::Spec;
+#[cfg(feature = "scene")]
+pub(crate) use spec::did_you_mean;
 #[cfg(feature = "cli")]
 pub(crate) use spec::parse_bytes;
 
@@ -86,13 +88,13 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
         "obvhs-bvh2" => {
             let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
             spec.finish()?;
-            Box::new(obvhs::bvh2(geometry, preset)?)
+            Box::new(obvhs::bvh2(geometry, preset))
         }
         #[cfg(feature = "obvhs")]
         "obvhs-cwbvh" => {
             let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
             spec.finish()?;
-            Box::new(obvhs::cwbvh(geometry, preset)?)
+            Box::new(obvhs::cwbvh(geometry, preset))
         }
         _ => return Err(spec.unknown_name(ENTRIES)),
     })

@@ -85,10 +85,8 @@ impl Spec {
 
     /// The error for a name that is in no entry, with the nearest one.
     pub(super) fn unknown_name(&self, entries: &[Entry]) -> Error {
-        let nearest = entries.iter().map(|e| e.name).min_by_key(|name| distance(name, &self.name));
-        let hint = nearest.filter(|name| distance(name, &self.name) <= 3);
         let names: Vec<&str> = entries.iter().map(|e| e.name).collect();
-        let hint = hint.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        let hint = did_you_mean(&names, &self.name, 3);
         self.error(format!("unknown accelerator{hint}; there are {}", names.join(", ")))
     }
 }
@@ -105,8 +103,20 @@ pub(crate) fn parse_bytes(text: &str) -> Option<u64> {
     digits.parse::<u64>().ok()?.checked_mul(1 << shift)
 }
 
-/// Levenshtein's edit distance.
+/// "; did you mean `NAME`?" with the one of `names` nearest to `given`; empty if none is within `most` edits.
+pub(crate) fn did_you_mean(names: &[&str], given: &str, most: usize) -> String {
+    let nearest = names.iter().map(|name| (distance(name, given), name)).min_by_key(|(edits, _)| *edits);
+    match nearest {
+        Some((edits, name)) if edits <= most => format!("; did you mean `{name}`?"),
+        _ => String::new(),
+    }
+}
+
+/// Levenshtein's edit distance, for names of a few letters; long ones are infinitely far.
 fn distance(a: &str, b: &str) -> usize {
+    if b.len() > 64 {
+        return usize::MAX;
+    }
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, x) in a.chars().enumerate() {

@@ -71,17 +71,7 @@ impl Data<'_> {
         }
         let read = reader(component.0, accessor.normalized);
         let size = component.0.size();
-        let mut list = self.reserve(a, accessor)?;
-        self.each_element(a, |i, bytes| {
-            let value = std::array::from_fn(|k| bytes.get(k * size..).map_or(0.0, read));
-            // Sparse elements come after the dense ones and replace them.
-            match list.get_mut(i) {
-                Some(old) => *old = value,
-                None => list.push(value),
-            }
-            Ok(())
-        })?;
-        Ok(list)
+        self.list(a, accessor, |bytes| std::array::from_fn(|k| bytes.get(k * size..).map_or(0.0, read)))
     }
 
     /// Vertex indices.
@@ -95,9 +85,15 @@ impl Data<'_> {
             ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => unsigned,
             other => return Err(self.fail(a, format_args!("vertex indices are unsigned, not {other:?}"))),
         };
+        self.list(a, accessor, |bytes| read(bytes, component.0.size()))
+    }
+
+    /// All elements, read one by one.
+    fn list<T>(&self, a: usize, accessor: &Accessor, read: impl Fn(&[u8]) -> T) -> Result<Vec<T>> {
         let mut list = self.reserve(a, accessor)?;
         self.each_element(a, |i, bytes| {
-            let value = read(bytes, component.0.size());
+            let value = read(bytes);
+            // Sparse elements come after the dense ones and replace them.
             match list.get_mut(i) {
                 Some(old) => *old = value,
                 None => list.push(value),

@@ -15,6 +15,7 @@ mod teapot_stadium;
 use super::{Bsdf, Camera, CameraSource, Light, Material, Mesh, RenderDefaults, SceneParts};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
+use crate::registry::did_you_mean;
 use glam::{DVec3, Vec3};
 use std::ops::RangeInclusive;
 
@@ -168,27 +169,8 @@ fn keys(entry: &Entry) -> String {
 
 fn unknown(name: &str) -> String {
     let names: Vec<_> = ENTRIES.iter().map(|e| e.name).collect();
-    let nearest = names.iter().min_by_key(|n| edit_distance(n, name)).filter(|n| edit_distance(n, name) <= 2);
-    let hint = nearest.map(|n| format!("; did you mean `{n}`?")).unwrap_or_default();
+    let hint = did_you_mean(&names, name, 2);
     format!("one of the procedural scenes {}{hint}", names.join(", "))
-}
-
-/// Levenshtein distance, for names of a few letters; long ones are infinitely far.
-fn edit_distance(a: &str, b: &str) -> usize {
-    if b.len() > 64 {
-        return usize::MAX;
-    }
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.bytes().enumerate() {
-        let mut diagonal = i;
-        row[0] = i + 1;
-        for (j, cb) in b.bytes().enumerate() {
-            let above = row[j + 1];
-            row[j + 1] = (diagonal + usize::from(ca != cb)).min(above + 1).min(row[j] + 1);
-            diagonal = above;
-        }
-    }
-    row[b.len()]
 }
 
 // What the stages share.
