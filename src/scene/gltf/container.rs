@@ -3,6 +3,8 @@
 use crate::error::{Error, Result};
 use crate::scene::load::read_bytes;
 use ::gltf::json::{Image, Root};
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use base64::{Engine, alphabet};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -103,31 +105,12 @@ fn data_uri(data: &str) -> std::result::Result<Vec<u8>, String> {
     base64(body.as_bytes())
 }
 
-/// Source: RFC 4648, section 4; padding may be missing.
+/// Padding may be missing, and bits behind the last byte may be anything.
 fn base64(text: &[u8]) -> std::result::Result<Vec<u8>, String> {
-    let end = text.iter().rposition(|&b| b != b'=').map_or(0, |last| last + 1);
-    let (digits, padding) = text.split_at(end);
-    if padding.len() > 2 || digits.len() % 4 == 1 {
-        return Err(format!("{} characters are no base64", text.len()));
-    }
-    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
-    for (i, group) in digits.chunks(4).enumerate() {
-        let mut bits = 0_u32;
-        for (j, &digit) in group.iter().enumerate() {
-            let value = match digit {
-                b'A'..=b'Z' => digit - b'A',
-                b'a'..=b'z' => digit - b'a' + 26,
-                b'0'..=b'9' => digit - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => return Err(format!("character {} is no base64 digit", 4 * i + j)),
-            };
-            bits |= u32::from(value) << (18 - 6 * j);
-        }
-        // Four digits hold three bytes, three two, two one.
-        bytes.extend_from_slice(&bits.to_be_bytes()[1..group.len()]);
-    }
-    Ok(bytes)
+    const LENIENT: GeneralPurposeConfig = GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true);
+    GeneralPurpose::new(&alphabet::STANDARD, LENIENT).decode(text).map_err(|e| e.to_string())
 }
 
 fn percent_decode(uri: &str) -> std::result::Result<String, String> {
