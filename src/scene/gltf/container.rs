@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::scene::load::read_bytes;
 use ::gltf::json::{Image, Root};
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use base64::{Engine, alphabet};
+use base64::{DecodeError, Engine, alphabet};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -110,7 +110,10 @@ fn base64(text: &[u8]) -> std::result::Result<Vec<u8>, String> {
     const LENIENT: GeneralPurposeConfig = GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::Indifferent)
         .with_decode_allow_trailing_bits(true);
-    GeneralPurpose::new(&alphabet::STANDARD, LENIENT).decode(text).map_err(|e| e.to_string())
+    GeneralPurpose::new(&alphabet::STANDARD, LENIENT).decode(text).map_err(|e| match e {
+        DecodeError::InvalidByte(i, _) => format!("character {i} is no base64 digit"),
+        other => format!("{} characters are no base64: {other}", text.len()),
+    })
 }
 
 fn percent_decode(uri: &str) -> std::result::Result<String, String> {
