@@ -30,7 +30,7 @@ pub use walk_branchless::Branchless;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
-use crate::ray::{Aabb, Ray};
+use crate::ray::{Aabb, Ray, greater};
 use frame::Frame;
 use mailbox::Mailbox;
 use skip::{Look, NoSkip, Skip, Voxels};
@@ -145,7 +145,7 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
                     if safe_until > exit {
                         probe.leap();
                     }
-                    if !walk.leap(safe_until.max(exit)) {
+                    if !walk.leap(greater(safe_until, exit)) {
                         return best;
                     }
                     continue;

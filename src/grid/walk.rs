@@ -15,7 +15,7 @@
 //! leaves room for [`LANDING`].
 
 use super::frame::{Frame, WALK_ERROR};
-use crate::ray::{Ray, clip};
+use crate::ray::{Ray, greater, lesser};
 use glam::DVec3;
 
 /// A walk over the voxels that a ray meets, in their order along the ray.
@@ -43,8 +43,8 @@ pub trait VoxelWalk: Clone + Send + Sync {
     }
 }
 
-/// A leap crosses a plane that is nearer than this to where it lands, in voxels: leaps that end on a plane need no further
-/// step. A small part of [`WALK_ERROR`].
+/// A ray that is nearer than this to a plane ahead counts as beyond it where it enters the grid or lands, in voxels: leaps
+/// that end on a plane need no further step. A small part of [`WALK_ERROR`].
 const LANDING: f64 = 1.0 / 1_048_576.0;
 
 /// How a ray meets the grid.
@@ -73,7 +73,7 @@ pub struct Walk {
     pub(super) inverse: [f64; 3],
     /// Voxels for each unit of `t`, not negative.
     pub(super) speed: [f64; 3],
-    /// From voxel index to voxel index.
+    /// From voxel index to voxel index; 0 if the ray does not move along the axis.
     pub(super) stride: [isize; 3],
     /// Steps that stay within the grid.
     pub(super) left: [u32; 3],
@@ -92,15 +92,9 @@ impl VoxelWalk for Walk {
         let direction = ray.direction.as_dvec3() * frame.inverse;
         let size = frame.size();
         const TWICE_ERROR: f64 = 64.0 / 9_007_199_254_740_992.0;
-        if (origin.abs().max_element() + size.max_element()) * TWICE_ERROR > WALK_ERROR {
+        if (greatest(origin.abs()) + greatest(size)) * TWICE_ERROR > WALK_ERROR {
             return Start::TooFar;
         }
-        let range = (f64::from(ray.t_min), f64::from(ray.t_max));
-        let inverse = direction.recip();
-        let Some((t_start, t_end)) = clip(origin, inverse, (DVec3::ZERO, size), range) else { return Start::Miss };
-        let entry = origin + t_start * direction;
-        let [nx, ny, _] = frame.resolution.map(|n| n as isize);
-        let strides = [1, nx, nx * ny];
         let mut walk = Walk {
             voxel: 0,
             t_next: [f64::INFINITY; 3],
@@ -108,37 +102,50 @@ impl VoxelWalk for Walk {
             origin: [f64::NEG_INFINITY; 3],
             inverse: [1.0; 3],
             speed: [0.0; 3],
-            stride: strides,
+            stride: [0; 3],
             left: [0; 3],
             octant: 0,
-            t: t_start,
-            t_end,
+            t: f64::from(ray.t_min),
+            t_end: f64::from(ray.t_max),
         };
-        let mut first = [0; 3];
         for axis in 0..3 {
-            let last = frame.resolution[axis] - 1;
-            // `as` saturates: an entry a hair outside lands in the voxel at the border.
-            let i = (entry[axis] as u32).min(last);
-            first[axis] = i;
-            let d = direction[axis];
-            if d > 0.0 {
-                walk.plane[axis] = f64::from(i) + 1.0;
-                walk.origin[axis] = origin[axis];
-                walk.left[axis] = last - i;
-            } else if d < 0.0 {
-                walk.plane[axis] = size[axis] - f64::from(i);
-                walk.origin[axis] = size[axis] - origin[axis];
-                walk.left[axis] = i;
-                walk.stride[axis] = -strides[axis];
-                walk.octant |= 1 << axis;
-            } else {
+            let speed = direction[axis].abs();
+            let inverse = 1.0 / speed;
+            if !inverse.is_finite() {
+                // No movement along this axis: the ray is in one slab of voxels, or beside the grid.
+                if origin[axis] < 0.0 || origin[axis] > size[axis] {
+                    return Start::Miss;
+                }
                 continue;
             }
-            walk.inverse[axis] = inverse[axis].abs();
-            walk.speed[axis] = d.abs();
-            walk.t_next[axis] = walk.crossing(axis);
+            let mirrored = direction[axis] < 0.0;
+            walk.octant |= usize::from(mirrored) << axis;
+            walk.origin[axis] = if mirrored { size[axis] - origin[axis] } else { origin[axis] };
+            walk.inverse[axis] = inverse;
+            walk.speed[axis] = speed;
+            walk.t = greater(walk.t, (0.0 - walk.origin[axis]) * inverse);
+            walk.t_end = lesser(walk.t_end, (size[axis] - walk.origin[axis]) * inverse);
         }
-        walk.voxel = frame.index(first);
+        // A bounded box and a ray that moves: both are finite here.
+        if walk.t > walk.t_end {
+            return Start::Miss;
+        }
+        let mut stride = 1;
+        for axis in 0..3 {
+            let last = frame.resolution[axis] - 1;
+            if walk.speed[axis] > 0.0 {
+                let entry = whole(walk.origin[axis] + walk.t * walk.speed[axis] + LANDING).1.min(last);
+                walk.plane[axis] = f64::from(entry + 1);
+                walk.left[axis] = last - entry;
+                walk.t_next[axis] = walk.crossing(axis);
+                let mirrored = walk.octant >> axis & 1 != 0;
+                walk.stride[axis] = if mirrored { -stride } else { stride };
+                walk.voxel += (if mirrored { last - entry } else { entry }) as usize * stride as usize;
+            } else {
+                walk.voxel += whole(origin[axis] + LANDING).1.min(last) as usize * stride as usize;
+            }
+            stride *= frame.resolution[axis] as isize;
+        }
         Start::Inside(walk)
     }
 
@@ -150,7 +157,7 @@ impl VoxelWalk for Walk {
     #[inline(always)]
     fn exit(&self) -> f64 {
         let [x, y, z] = self.t_next;
-        x.min(y).min(z)
+        lesser(lesser(x, y), z)
     }
 
     /// A tie goes to one side: the voxels on the other side are met in a point only, which their padding covers.
@@ -168,7 +175,7 @@ impl VoxelWalk for Walk {
 
     #[inline(always)]
     fn end_at(&mut self, t: f64) {
-        self.t_end = self.t_end.min(t);
+        self.t_end = lesser(self.t_end, t);
     }
 
     /// The landing voxel is never behind the present one: planes are crossed forwards only. At least one is crossed, so the
@@ -206,6 +213,11 @@ fn whole(x: f64) -> (f64, u32) {
     // Rounds to the nearest; the half is what makes it round down.
     let shifted = (positive - 0.5) + SHIFT;
     (shifted - SHIFT, shifted.to_bits() as u32)
+}
+
+#[inline(always)]
+fn greatest(v: DVec3) -> f64 {
+    greater(greater(v.x, v.y), v.z)
 }
 
 impl Walk {
