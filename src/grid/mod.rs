@@ -16,9 +16,11 @@ mod frame;
 mod mailbox;
 mod options;
 mod voxelise;
+mod voxels;
 mod walk;
 
 pub use options::GridOptions;
+pub use voxels::{Face, VoxelGrid, VoxelVisit, Voxels};
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
