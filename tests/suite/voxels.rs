@@ -320,7 +320,7 @@ fn ties_faces_and_ends_are_as_documented() {
     assert_eq!(visits(&unit, [0.0, 0.5, 0.5], [1.0, 0.0, 0.0], [0.0, 1f32.next_down()]), before);
     // A point of an edge of the box, touched in passing.
     assert_eq!(visits(&unit, [1.0, -1.0, 0.5], [1.0, 1.0, 0.0], all), [([1, 0, 0], Some(Face::NegY), 1.0)]);
-    // Bounds that an f64 walk cannot tell apart: 2^-140 after the plane.
+    // The box is left 2^-140 after the plane is crossed: both count.
     let tiny = 2f32.powi(-140);
     assert_eq!(visits(&unit, [1.0, tiny, 0.5], [-1.0, -1.0, 0.0], all).len(), 2);
 }
