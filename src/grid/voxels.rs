@@ -65,7 +65,7 @@ impl VoxelGrid {
         self.bounds
     }
 
-    /// Voxels along x, y and z.
+    /// VoxelVisits along x, y and z.
     pub fn resolution(&self) -> [u32; 3] {
         self.resolution
     }
@@ -84,8 +84,8 @@ impl VoxelGrid {
     /// - A ray that only touches the box visits the voxel that holds the point.
     ///
     /// A ray that [`Ray::intake`] refuses visits nothing. There are at most `nx + ny + nz - 2` voxels, for any bits.
-    pub fn voxels(&self, ray: &Ray) -> Voxels {
-        Voxels(ray.intake().and_then(|ray| self.start(&ray)))
+    pub fn voxels(&self, ray: &Ray) -> VoxelVisits {
+        VoxelVisits(ray.intake().and_then(|ray| self.start(&ray)))
     }
 
     /// The walk at the first voxel of a ray that may miss the box.
@@ -193,9 +193,9 @@ impl Face {
 /// A step compares rounded parameters. Where their errors leave the order open it is found exactly, which takes an
 /// allocation; where nothing is close there is none.
 #[derive(Clone, Debug)]
-pub struct Voxels(Option<Walk>);
+pub struct VoxelVisits(Option<Walk>);
 
-impl Iterator for Voxels {
+impl Iterator for VoxelVisits {
     type Item = VoxelVisit;
 
     #[inline]
@@ -221,7 +221,7 @@ impl Iterator for Voxels {
     }
 }
 
-impl FusedIterator for Voxels {}
+impl FusedIterator for VoxelVisits {}
 
 /// A voxel on the way, and where the ray goes next. (The paper's X, Y, Z and tMaxX, tMaxY, tMaxZ.)
 #[derive(Clone, Debug)]
