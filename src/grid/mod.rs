@@ -24,11 +24,13 @@ mod voxelise;
 mod voxels;
 mod walk;
 mod walk_branchless;
+mod walk_integer;
 
 pub use options::GridOptions;
 pub use voxels::{Face, VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;
 pub use walk_branchless::Branchless;
+pub use walk_integer::IntegerWalk;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
