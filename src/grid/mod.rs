@@ -144,13 +144,15 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
                     }
                 }
                 Look::Empty(safe_until) => {
-                    if safe_until > walk.exit() {
+                    // A step is the shortest leap; to tell them apart would be a branch that no predictor gets right.
+                    let exit = walk.exit();
+                    if safe_until > exit {
                         probe.leap();
-                        if !walk.leap(safe_until) {
-                            return best;
-                        }
-                        continue;
                     }
+                    if !walk.leap(safe_until.max(exit)) {
+                        return best;
+                    }
+                    continue;
                 }
             }
             if !walk.step() {

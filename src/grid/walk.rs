@@ -35,7 +35,7 @@ pub trait VoxelWalk: Clone + Send + Sync {
     /// Lowers the end of the ray to `t`.
     fn end_at(&mut self, t: f64);
 
-    /// Goes to the voxel at parameter `t`, beyond [`VoxelWalk::exit`]; false if the ray ends before it or leaves the grid.
+    /// Goes to the voxel at parameter `t`, not before [`VoxelWalk::exit`]; false if the ray ends before it or leaves the grid.
     /// A walk that cannot leap takes a step.
     #[inline(always)]
     fn leap(&mut self, _t: f64) -> bool {
@@ -173,29 +173,39 @@ impl VoxelWalk for Walk {
 
     /// The landing voxel is never behind the present one: planes are crossed forwards only. At least one is crossed, so the
     /// walk always ends. Where a voxel lies beyond the grid, `t` is within rounding of the grid's face, where nothing is.
+    ///
+    /// No branch but the ends of the ray and the grid: where a leap goes is as good as random to a branch predictor.
     #[inline(always)]
     fn leap(&mut self, t: f64) -> bool {
         if t >= self.t_end {
             return false;
         }
         self.t = t;
+        let mut inside = true;
         for axis in 0..3 {
-            if self.t_next[axis] > t {
-                continue;
-            }
-            // At least 1; `as` saturates.
-            let crossed = ((t - self.t_next[axis]) * self.speed[axis] + LANDING) as u32;
-            let crossed = crossed.saturating_add(1);
-            if crossed > self.left[axis] {
-                return false;
-            }
-            self.left[axis] -= crossed;
-            self.plane[axis] += f64::from(crossed);
-            self.voxel = self.voxel.wrapping_add_signed(self.stride[axis] * crossed as isize);
+            // NaN, and so nothing, along an axis of no movement; at most the voxels of the axis, as `t` lies before `t_end`.
+            let crossed = whole((t - self.t_next[axis]) * self.speed[axis] + (1.0 + LANDING));
+            inside &= crossed.1 <= self.left[axis];
+            self.left[axis] = self.left[axis].wrapping_sub(crossed.1);
+            self.plane[axis] += crossed.0;
+            self.voxel = self.voxel.wrapping_add_signed(self.stride[axis] * crossed.1 as isize);
             self.t_next[axis] = self.crossing(axis);
         }
-        true
+        inside
     }
+}
+
+/// The whole part of `x`, which is less than 2^31 and further than a rounding from the next lesser whole number; 0 if `x` is
+/// negative or NaN. As a floating-point number and as an integer.
+///
+/// Adding 2^52 + 2^51 leaves a whole number in the low bits, without the tests of range that a conversion would take.
+#[inline(always)]
+fn whole(x: f64) -> (f64, u32) {
+    const SHIFT: f64 = 6_755_399_441_055_744.0;
+    let positive = if x > 0.0 { x } else { 0.0 };
+    // Rounds to the nearest; the half is what makes it round down.
+    let shifted = (positive - 0.5) + SHIFT;
+    (shifted - SHIFT, shifted.to_bits() as u32)
 }
 
 impl Walk {

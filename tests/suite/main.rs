@@ -8,6 +8,7 @@ mod pictures;
 mod random;
 mod render;
 mod scenes;
+mod spd;
 mod tidy;
 mod truth;
 mod validate;
