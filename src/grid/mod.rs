@@ -21,12 +21,16 @@ mod options;
 mod parallel;
 pub mod skip;
 mod voxelise;
+mod voxels;
 mod walk;
 mod walk_branchless;
+mod walk_integer;
 
 pub use options::GridOptions;
+pub use voxels::{Face, VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;
 pub use walk_branchless::Branchless;
+pub use walk_integer::IntegerWalk;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};

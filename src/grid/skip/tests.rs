@@ -295,8 +295,8 @@ fn leaps_are_safe<M: Method, T: Slot>(options: &SkipOptions) {
             leapt += looks;
         }
     }
-    // Less than half of the voxels are looked at.
-    assert!(2 * leapt < walked, "{} {options:?}: {leapt} looks, {walked} steps", M::NAME);
+    // Full grids allow no leap worth the name, the others many.
+    assert!(4 * leapt < 3 * walked, "{} {options:?}: {leapt} looks, {walked} steps", M::NAME);
 }
 
 #[test]
