@@ -76,7 +76,7 @@ fn within(d: [i32; 3], octant: usize) -> bool {
 
 /// How far `d` is ahead across `face`.
 fn ahead(d: [i32; 3], face: usize) -> i32 {
-    if face % 2 == 0 { d[face / 2] } else { -d[face / 2] }
+    if face & 1 == 0 { d[face / 2] } else { -d[face / 2] }
 }
 
 #[test]
@@ -255,11 +255,11 @@ fn frame(o: &Occupancy) -> Frame {
 fn rays(random: &mut Random, o: &Occupancy, count: usize) -> Vec<Ray> {
     let size = Vec3::from(o.resolution.map(|n| n as f32));
     let mut ray = || {
-        let origin = size * (0.5 + random.in_cube() * if random.next() % 2 == 0 { 0.5 } else { 3.0 });
+        let origin = size * (0.5 + random.in_cube() * if random.unit() < 0.5 { 0.5 } else { 3.0 });
         let target = size * (0.5 + random.in_cube() * 0.5);
         // Some nearly along an axis, where lanes are long.
         let mut direction = target - origin;
-        if random.next() % 3 == 0 {
+        if random.unit() < 0.3 {
             direction[random.next() as usize % 3] *= 50.0;
         }
         Ray::new(origin, direction)
