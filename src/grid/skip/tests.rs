@@ -66,6 +66,13 @@ fn nearest(distances: impl Iterator<Item = i32>) -> u8 {
     distances.min().map_or(u8::MAX, |d| d.min(255) as u8)
 }
 
+/// The voxel beside `voxel` across `face`, or `None` beyond the grid.
+fn neighbour(o: &Occupancy, voxel: usize, face: usize) -> Option<usize> {
+    let (axis, stride) = (face / 2, o.stride(face / 2));
+    let at = voxel / stride % o.resolution[axis];
+    if face & 1 == 0 { (at + 1 < o.resolution[axis]).then(|| voxel + stride) } else { (at > 0).then(|| voxel - stride) }
+}
+
 fn l1(d: [i32; 3]) -> i32 {
     d.iter().map(|x| x.abs()).sum()
 }
@@ -143,7 +150,7 @@ fn methods_relate_as_the_sources_say() {
                 let four = (0..8).filter(|octant| octant >> (face / 2) & 1 == face % 2);
                 let mut least = u8::MAX;
                 for octant in four {
-                    let beside = o.neighbour(v, face);
+                    let beside = neighbour(&o, v, face);
                     let value = beside.map_or(u8::MAX, |beside| octants[octant][beside].saturating_add(1));
                     let beyond = offsets(&o, v).filter(|&d| within(d, octant) && ahead(d, face) > 0);
                     assert_eq!(value, nearest(beyond.map(l1)), "face {face}, octant {octant}");
@@ -163,7 +170,7 @@ fn two_masks(o: &Occupancy) -> Vec<u8> {
     for faces in [[1, 3, 5], [0, 2, 4]] {
         let mut pass = |v: usize| {
             for face in faces {
-                if let Some(beside) = o.neighbour(v, face) {
+                if let Some(beside) = neighbour(o, v, face) {
                     d[v] = d[v].min(d[beside].saturating_add(1));
                 }
             }
