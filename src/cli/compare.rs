@@ -117,6 +117,10 @@ fn text(result: &Comparison, args: &Args) -> String {
     out += "\n";
     out += &rates(result, false).text();
     out += "\n";
+    for row in result.rows.iter().filter(|row| !row.described.is_empty()) {
+        out += &format!("{}: {}\n", row.accel, row.described);
+    }
+    out += "\n";
     out + &verdict(result)
 }
 
@@ -229,6 +233,7 @@ fn json(result: &Comparison, args: &Args) -> Value {
                 .collect();
             json!({
                 "accelerator": row.accel,
+                "described": row.described,
                 "build_ms": row.build.milliseconds,
                 "bytes": {
                     "structure": memory.structure,

@@ -65,6 +65,8 @@ pub struct Kind {
 pub struct Row {
     /// Specification as given.
     pub accel: String,
+    /// What was built, and what the accelerator has to say after all rays were traced; may be empty.
+    pub described: String,
     /// Cost of building.
     pub build: Build,
     /// One for each ray set; `None` if the set is empty.
@@ -140,7 +142,8 @@ pub fn compare_with<S: AsRef<str>>(
         progress(&format!("building {spec}"));
         let (accel, milliseconds) = build(scene, spec)?;
         let memory = accel.memory();
-        rows.push(Row { accel: spec.to_string(), build: Build { milliseconds, memory }, rates: Vec::new() });
+        let build = Build { milliseconds, memory };
+        rows.push(Row { accel: spec.to_string(), described: String::new(), build, rates: Vec::new() });
         accels.push(accel);
     }
     let sets = match &rounds.given {
@@ -167,6 +170,7 @@ pub fn compare_with<S: AsRef<str>>(
             row.rates.push(rate.map(|(rays_per_second, spread)| Rate { rays_per_second, spread, counts }));
         }
     }
+    rows.iter_mut().zip(&accels).for_each(|(row, accel)| row.described = accel.describe());
     Ok(Comparison {
         scene: scene.name.clone(),
         primitives: scene.triangle_count() + scene.spheres.len() as u32,
