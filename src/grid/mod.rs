@@ -52,6 +52,16 @@ impl<G: Geometry> Grid<G> {
         self.ignored
     }
 
+    /// Voxels without a primitive.
+    pub fn empty_voxels(&self) -> u64 {
+        self.cells.empty()
+    }
+
+    /// References from voxels to primitives.
+    pub fn references(&self) -> u64 {
+        self.cells.references()
+    }
+
     /// The closest hit, watched by `probe`; `()` watches nothing and costs nothing.
     pub fn closest_hit_with<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let ray = ray.intake()?;

@@ -100,6 +100,12 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
     })
 }
 
+/// `spec` with the option `key=value`, where its accelerator has that option and `spec` does not set it.
+#[cfg(feature = "cli")]
+pub(crate) fn with_default(spec: &str, key: &str, value: &str) -> String {
+    spec::with_default(ENTRIES, spec, key, value)
+}
+
 fn grid_options(spec: &mut Spec) -> Result<GridOptions> {
     let mut options = GridOptions::default();
     if let Some(density) = spec.take("density", |v| v.parse().ok().filter(|d: &f64| d.is_finite() && *d > 0.0))? {
