@@ -123,5 +123,6 @@ mod tests {
         assert_eq!(args.spec("grid"), "grid:memory=1024");
         assert_eq!(args.spec("grid:density=2"), "grid:density=2,memory=1024");
         assert_eq!(args.spec("grid:memory=5"), "grid:memory=5");
+        assert_eq!(args.spec("grid-dsz:density=2"), "grid-dsz:density=2,memory=1024");
     }
 }

@@ -39,7 +39,7 @@ enum Paper {
 /// Amanatides & Woo 1987: tests per ray with and without rayID, time against subdivision
 #[derive(Debug, clap::Args)]
 struct AmanatidesWoo {
-    /// Subdivisions of each axis; the paper's own come on top (4 to 128)
+    /// Subdivisions of each axis; the paper's own come on top (1 to 128)
     #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
     grids: Vec<u32>,
 
@@ -199,7 +199,7 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
     };
     let report = match paper {
         Paper::AmanatidesWoo(args) => {
-            let grids = or(&args.grids, &[4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128], &[4, 8, 16]);
+            let grids = or(&args.grids, &[1, 2, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128], &[2, 4, 8]);
             amanatides_woo::run(&amanatides_woo::Options { size, rounds, grids }, &watch)
         }
         Paper::SemwalKvarnstrom(args) => {

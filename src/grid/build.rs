@@ -4,12 +4,15 @@ use super::Grid;
 use super::cells::Cells;
 use super::frame::Frame;
 use super::options::GridOptions;
+use super::skip::{Method, NoSkip, SkipOptions, Slot, Table};
 use super::voxelise::voxels_of;
+use super::walk::{VoxelWalk, Walk};
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::ray::Aabb;
+use std::marker::PhantomData;
 
-impl<G: Geometry> Grid<G> {
+impl<G: Geometry> Grid<G, NoSkip, Walk> {
     /// Builds a grid over `geometry`. Primitives that no ray can hit are left out; an empty geometry is fine.
     ///
     /// # Errors
@@ -27,7 +30,43 @@ impl<G: Geometry> Grid<G> {
         let frame = Frame::new(&bounds, count, options);
         let cells = fill(&geometry, &frame, options)?;
         let ignored = geometry.len() - count;
-        Ok(Self { geometry, frame, cells, bounds, mailbox: options.mailbox, ignored })
+        Ok(Self {
+            geometry,
+            frame,
+            voxels: NoSkip(cells),
+            bounds,
+            mailbox: options.mailbox,
+            memory: options.memory,
+            ignored,
+            walk: PhantomData,
+        })
+    }
+}
+
+impl<G: Geometry, W: VoxelWalk> Grid<G, NoSkip, W> {
+    /// The same grid with the distances of method `M`, in slots of its usual width.
+    ///
+    /// # Errors
+    /// As [`Grid::with_table`].
+    pub fn with_skip<M: Method>(self, options: &SkipOptions) -> Result<Grid<G, Table<M>>> {
+        self.with_table(options)
+    }
+
+    /// The same grid with the distances of method `M` in slots `T`.
+    ///
+    /// # Errors
+    /// An option is out of range, lists or distances would take more than the grid's budget of memory, or the lists are too
+    /// long for the slots: 2^31 entries for [`super::skip::One`], 2^28 for [`super::skip::Packed`].
+    pub fn with_table<M: Method, T: Slot>(self, options: &SkipOptions) -> Result<Grid<G, Table<M, T>>> {
+        let Self { geometry, frame, voxels: NoSkip(cells), bounds, mailbox, memory, ignored, .. } = self;
+        let voxels = Table::new(cells, frame.resolution, options, memory)?;
+        Ok(Grid { geometry, frame, voxels, bounds, mailbox, memory, ignored, walk: PhantomData })
+    }
+
+    /// The same grid walked by `V`.
+    pub fn with_walk<V: VoxelWalk>(self) -> Grid<G, NoSkip, V> {
+        let Self { geometry, frame, voxels, bounds, mailbox, memory, ignored, .. } = self;
+        Grid { geometry, frame, voxels, bounds, mailbox, memory, ignored, walk: PhantomData }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::accel::Memory;
 
 /// Lists of primitive indices, one for each voxel, each in ascending order.
 #[derive(Clone, Debug)]
-pub(super) struct Cells {
+pub struct Cells {
     /// List `v` is `prims[start[v]..start[v + 1]]`.
     start: Vec<u32>,
     prims: Vec<u32>,
@@ -24,6 +24,16 @@ impl Cells {
     #[inline(always)]
     pub fn list(&self, voxel: usize) -> &[u32] {
         &self.prims[self.start[voxel] as usize..self.start[voxel + 1] as usize]
+    }
+
+    /// Number of voxels.
+    pub fn voxels(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Whether each voxel has a primitive.
+    pub fn flags(&self) -> Vec<bool> {
+        self.start.windows(2).map(|w| w[0] != w[1]).collect()
     }
 
     /// Number of voxels without a primitive.

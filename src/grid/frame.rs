@@ -16,7 +16,7 @@ pub(super) const WALK_ERROR: f64 = PADDING / 2.0;
 ///
 /// `lo` and `inverse` count as exact: insertion and walk use the same map, so its own rounding cancels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub struct Frame {
     /// World position of the grid's least corner.
     pub lo: DVec3,
     /// Voxels for each world unit.

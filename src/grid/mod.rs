@@ -8,40 +8,54 @@
 //! - Voxels are closed and padded, so that a ray along a face, edge or corner meets the primitives on all its sides,
 //!   whichever voxel the tie rule of the walk prefers.
 //! - An axis along which the ray does not move never wins the comparison: its `tMax` is infinite, never 0/0.
+//! - The second traversal function of the paper, which also compares the winner's `t` with the voxel's exit, is the first one
+//!   with the ray's end lowered to the winner.
 //! - The rayID mailbox belongs to the thread, not to the object.
 
 mod build;
 mod cells;
 mod frame;
 mod mailbox;
+mod occupancy;
 mod options;
+mod parallel;
+pub mod skip;
 mod voxelise;
 mod walk;
+mod walk_branchless;
 
 pub use options::GridOptions;
+pub use walk::Walk;
+pub use walk_branchless::Branchless;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray};
-use cells::Cells;
 use frame::Frame;
-use mailbox::{NoMailbox, RayMailbox};
-use walk::{Start, Walk};
+use mailbox::Mailbox;
+use skip::{Look, NoSkip, Skip, Voxels};
+use std::marker::PhantomData;
+use walk::{Start, VoxelWalk};
 
 /// A uniform grid over any geometry, which it owns, borrows (`&G`) or shares (`Arc<G>`).
 ///
-/// Memory: four bytes for each voxel and four for each reference from a voxel to a primitive.
+/// `S` is what it keeps of each voxel: [`NoSkip`] for lists alone, [`skip::Table`] for lists and distances. `W` is how rays
+/// step from voxel to voxel.
+///
+/// Memory: four bytes for each voxel and four for each reference from a voxel to a primitive; tables say their own.
 #[derive(Clone, Debug)]
-pub struct Grid<G> {
+pub struct Grid<G, S = NoSkip, W = Walk> {
     geometry: G,
     frame: Frame,
-    cells: Cells,
+    voxels: S,
     bounds: Aabb,
     mailbox: bool,
+    memory: u64,
     ignored: u32,
+    walk: PhantomData<W>,
 }
 
-impl<G: Geometry> Grid<G> {
+impl<G, S: Voxels, W> Grid<G, S, W> {
     /// Voxels along x, y and z.
     pub fn resolution(&self) -> [u32; 3] {
         self.frame.resolution
@@ -52,90 +66,97 @@ impl<G: Geometry> Grid<G> {
         self.ignored
     }
 
-    /// Voxels without a primitive.
+    /// Number of voxels without a primitive.
     pub fn empty_voxels(&self) -> u64 {
-        self.cells.empty()
+        self.voxels.empty()
     }
 
-    /// References from voxels to primitives.
+    /// Number of references from voxels to primitives.
     pub fn references(&self) -> u64 {
-        self.cells.references()
+        self.voxels.references()
     }
+}
 
+impl<G: Geometry, S: Skip<W> + Voxels, W: VoxelWalk> Grid<G, S, W> {
     /// The closest hit, watched by `probe`; `()` watches nothing and costs nothing.
     pub fn closest_hit_with<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let ray = ray.intake()?;
-        let best = match Walk::start(&self.frame, &ray) {
-            Start::Miss => return None,
-            Start::TooFar => scan_all(&self.geometry, &ray, probe),
-            Start::Inside(walk) if self.mailbox => {
-                mailbox::with(self.geometry.len(), |mailbox| self.closest(&ray, walk, probe, mailbox))
-                    .unwrap_or_else(|| self.closest(&ray, walk, probe, &mut NoMailbox))
-            }
-            Start::Inside(walk) => self.closest(&ray, walk, probe, &mut NoMailbox),
-        };
-        best.prim().map(|prim| Hit { t: self.geometry.round(&ray, &best), prim })
+        self.closest_hit_through(&self.voxels, ray, probe)
     }
 
     /// Whether there is any hit, watched by `probe`.
     pub fn any_hit_with<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        self.any_hit_through(&self.voxels, ray, probe)
+    }
+}
+
+impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
+    /// As [`Grid::closest_hit_with`], with another look at the voxels.
+    fn closest_hit_through<T: Skip<W>, P: Probe>(&self, voxels: &T, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let ray = ray.intake()?;
+        let best = match W::start(&self.frame, &ray) {
+            Start::Miss => return None,
+            Start::TooFar => scan_all(&self.geometry, &ray, probe),
+            Start::Inside(walk) => self.trace::<false, T, P>(voxels, &ray, walk, probe),
+        };
+        best.prim().map(|prim| Hit { t: self.geometry.round(&ray, &best), prim })
+    }
+
+    /// As [`Grid::any_hit_with`], with another look at the voxels.
+    fn any_hit_through<T: Skip<W>, P: Probe>(&self, voxels: &T, ray: &Ray, probe: &mut P) -> bool {
         let Some(ray) = ray.intake() else { return false };
-        match Walk::start(&self.frame, &ray) {
+        match W::start(&self.frame, &ray) {
             Start::Miss => false,
             Start::TooFar => scan_any(&self.geometry, &ray, probe),
-            Start::Inside(walk) if self.mailbox => {
-                mailbox::with(self.geometry.len(), |mailbox| self.any(&ray, walk, probe, mailbox))
-                    .unwrap_or_else(|| self.any(&ray, walk, probe, &mut NoMailbox))
-            }
-            Start::Inside(walk) => self.any(&ray, walk, probe, &mut NoMailbox),
+            Start::Inside(walk) => self.trace::<true, T, P>(voxels, &ray, walk, probe).is_hit(),
         }
     }
 
-    /// The two traversal functions of the paper: the plain one runs from list to list until something is hit; from then
-    /// on each step first asks whether the hit lies before the voxel's exit (the paper's figure 2).
+    /// From list to list until the winner, or the first hit if `ANY`, is certain.
     #[inline(always)]
-    fn closest<P: Probe, M: RayMailbox>(&self, ray: &Ray, mut walk: Walk, probe: &mut P, mailbox: &mut M) -> Best {
+    fn trace<const ANY: bool, T: Skip<W>, P: Probe>(&self, voxels: &T, ray: &Ray, mut walk: W, probe: &mut P) -> Best {
+        // Asked for at run time, but once for each test and not for each voxel: a predictable branch beside a test of a hundred
+        // instructions, for half as many loops to compile.
+        let mut mailbox = self.mailbox.then(|| Mailbox::take(self.geometry.len()));
         let prep = self.geometry.prepare(ray);
+        let shared = T::ray(&walk);
         let mut best = Best::NONE;
         loop {
             probe.step();
-            for &prim in self.cells.list(walk.voxel()) {
-                if mailbox.first_time(prim) {
-                    probe.test();
-                    self.geometry.test(prim, ray, &prep, &mut best);
+            match voxels.look(&walk, &shared) {
+                Look::List(list) => {
+                    for &prim in list {
+                        if mailbox.as_mut().is_none_or(|mailbox| mailbox.first_time(prim)) {
+                            probe.test();
+                            self.geometry.test(prim, ray, &prep, &mut best);
+                            if ANY && best.is_hit() {
+                                return best;
+                            }
+                        }
+                    }
+                    if !list.is_empty() {
+                        // A winner further along is kept, not accepted: a closer hit may lie in a voxel before it. Passing it,
+                        // leaving the grid or reaching the end of the ray accepts it. Infinite if there is no winner.
+                        walk.end_at(best.upper());
+                    }
                 }
-            }
-            // A winner further along is kept, not accepted: a closer hit may lie in a voxel before it. Leaving the grid or
-            // passing the end of the ray accepts it. `upper` is infinite as long as there is no winner.
-            if best.upper() <= walk.exit() || !walk.step() {
-                return best;
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn any<P: Probe, M: RayMailbox>(&self, ray: &Ray, mut walk: Walk, probe: &mut P, mailbox: &mut M) -> bool {
-        let prep = self.geometry.prepare(ray);
-        let mut best = Best::NONE;
-        loop {
-            probe.step();
-            for &prim in self.cells.list(walk.voxel()) {
-                if mailbox.first_time(prim) {
-                    probe.test();
-                    self.geometry.test(prim, ray, &prep, &mut best);
-                    if best.is_hit() {
-                        return true;
+                Look::Empty(safe_until) => {
+                    if safe_until > walk.exit() {
+                        probe.leap();
+                        if !walk.leap(safe_until) {
+                            return best;
+                        }
+                        continue;
                     }
                 }
             }
             if !walk.step() {
-                return false;
+                return best;
             }
         }
     }
 }
 
-impl<G: Geometry> Accel for Grid<G> {
+impl<G: Geometry, S: Skip<W> + Voxels, W: VoxelWalk> Accel for Grid<G, S, W> {
     queries_with_probe!(closest_hit_with, any_hit_with);
 
     fn bounds(&self) -> Aabb {
@@ -143,13 +164,13 @@ impl<G: Geometry> Accel for Grid<G> {
     }
 
     fn memory(&self) -> Memory {
-        self.cells.memory()
+        self.voxels.memory()
     }
 
     fn describe(&self) -> String {
         let [x, y, z] = self.frame.resolution;
         let voxels = u64::from(x) * u64::from(y) * u64::from(z);
-        let (empty, references) = (self.cells.empty(), self.cells.references());
+        let (empty, references) = (self.voxels.empty(), self.voxels.references());
         let filled = (voxels - empty).max(1);
         let mut line = format!(
             "{x} x {y} x {z} voxels, {:.1} % empty, {:.2} references a filled voxel, mailbox {}",
@@ -157,6 +178,10 @@ impl<G: Geometry> Accel for Grid<G> {
             references as f64 / filled as f64,
             if self.mailbox { "on" } else { "left out" },
         );
+        let table = self.voxels.describe();
+        if !table.is_empty() {
+            line += &format!(", {table}");
+        }
         if self.ignored > 0 {
             line += &format!(", {} primitives that no ray can hit left out", self.ignored);
         }

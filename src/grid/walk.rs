@@ -1,58 +1,98 @@
-//! The voxel walk: start, exit, step.
+//! The voxel walk: start, exit, step, leap.
 //!
-//! Amanatides & Woo 1987, section 2. Their X, Y, Z and justOut are folded into one voxel index and a count of the steps
-//! left on each axis; their tMax is recomputed from the plane's integer coordinate, so its error does not grow along the
-//! ray.
+//! Amanatides & Woo 1987, section 2. Departures from the listing, none of which changes which voxels are visited:
 //!
-//! Error: in voxel coordinates, with u = 2^-53, the origin is off by 2u|o|, a plane's distance by u(|o| + n), the direction
-//! by u and its inverse by 2u relative. A crossing is therefore off by less than 8u(|o| + n) voxels along its axis, and so is
-//! the entry point. [`Walk::start`] refuses to walk where four times that exceeds [`WALK_ERROR`].
+//! - The grid is mirrored for each ray so that it moves towards greater coordinates along every axis. X, Y, Z and justOut
+//!   become one voxel index and a count of the steps left on each axis.
+//! - tMax is recomputed from the plane's integer coordinate, so its error does not grow along the ray.
+//! - An axis along which the ray does not move has its origin at minus infinity: its crossings are at infinity by plain
+//!   arithmetic, never 0/0.
+//!
+//! Error: in voxel coordinates, with u = 2^-53, the origin is off by 3u(|o| + n), a plane's distance by u(|o| + n), the
+//! direction by u and its inverse by 2u relative. A crossing is therefore off by less than 8u(|o| + n) voxels along its axis,
+//! and so is the entry point. The end of an empty region (`skip/`) adds three distances and a product: less than
+//! 24u(|o| + n). [`Walk::start`] refuses to walk where 64u(|o| + n), twice their sum, exceeds [`WALK_ERROR`]; the other half
+//! leaves room for [`LANDING`].
 
 use super::frame::{Frame, WALK_ERROR};
 use crate::ray::{Ray, clip};
 use glam::DVec3;
 
-/// Where a walk is: a voxel, and the ray parameter at which the ray leaves it through each axis.
-///
-/// The arrays are indexed by axis. All parameters are the ray's own.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Walk {
-    voxel: usize,
-    /// tMax: where the ray crosses the next plane of each axis; infinite if it does not move along it.
-    t_next: [f64; 3],
-    /// The next plane of each axis in voxel coordinates, an integer.
-    plane: [f64; 3],
-    origin: [f64; 3],
-    inverse: [f64; 3],
-    /// +1 or -1: from plane to plane.
-    sign: [f64; 3],
-    /// From voxel index to voxel index.
-    stride: [isize; 3],
-    /// Steps that stay within the grid.
-    left: [u32; 3],
-    /// Where the ray leaves the grid or ends.
-    t_end: f64,
+/// A walk over the voxels that a ray meets, in their order along the ray.
+pub trait VoxelWalk: Clone + Send + Sync {
+    /// The first voxel of `ray`, wherever it starts. `ray` comes from [`Ray::intake`].
+    fn start(frame: &Frame, ray: &Ray) -> Start<Self>;
+
+    /// Index of the voxel.
+    fn voxel(&self) -> usize;
+
+    /// The ray parameter at which the ray leaves the voxel.
+    fn exit(&self) -> f64;
+
+    /// Goes to the next voxel; false if the ray ends before it or leaves the grid.
+    fn step(&mut self) -> bool;
+
+    /// Lowers the end of the ray to `t`.
+    fn end_at(&mut self, t: f64);
+
+    /// Goes to the voxel at parameter `t`, beyond [`VoxelWalk::exit`]; false if the ray ends before it or leaves the grid.
+    /// A walk that cannot leap takes a step.
+    #[inline(always)]
+    fn leap(&mut self, _t: f64) -> bool {
+        self.step()
+    }
 }
+
+/// A leap crosses a plane that is nearer than this to where it lands, in voxels: leaps that end on a plane need no further
+/// step. A small part of [`WALK_ERROR`].
+const LANDING: f64 = 1.0 / 1_048_576.0;
 
 /// How a ray meets the grid.
-pub(super) enum Start {
+pub enum Start<W> {
     /// It does not.
     Miss,
-    /// The origin is so far away, about 2^38 voxels, that f64 cannot tell which voxels the ray meets.
+    /// The origin is so far away, about 2^35 voxels, that the walk cannot tell which voxels the ray meets.
     TooFar,
     /// It does, here.
-    Inside(Walk),
+    Inside(W),
 }
 
-impl Walk {
-    /// The first voxel of `ray`, wherever it starts. `ray` comes from [`Ray::intake`].
+/// Where a walk is: a voxel, and the ray parameter at which the ray leaves it through each axis.
+///
+/// The arrays are indexed by axis; coordinates are voxels of the mirrored grid, parameters are the ray's own.
+#[derive(Clone, Copy, Debug)]
+pub struct Walk {
+    pub(super) voxel: usize,
+    /// tMax: where the ray crosses the next plane of each axis; infinite if it does not move along it.
+    pub(super) t_next: [f64; 3],
+    /// The next plane of each axis, an integer; 1 if the ray does not move along it.
+    pub(super) plane: [f64; 3],
+    /// Minus infinity if the ray does not move along the axis.
+    pub(super) origin: [f64; 3],
+    /// 1 if the ray does not move along the axis.
+    pub(super) inverse: [f64; 3],
+    /// Voxels for each unit of `t`, not negative.
+    pub(super) speed: [f64; 3],
+    /// From voxel index to voxel index.
+    pub(super) stride: [isize; 3],
+    /// Steps that stay within the grid.
+    pub(super) left: [u32; 3],
+    /// Bit `axis` is set if the ray moves towards lesser coordinates along it: the axis is mirrored.
+    pub(super) octant: usize,
+    /// Where the ray entered the voxel or landed in it.
+    pub(super) t: f64,
+    /// Where the ray leaves the grid or ends.
+    pub(super) t_end: f64,
+}
+
+impl VoxelWalk for Walk {
     #[inline]
-    pub fn start(frame: &Frame, ray: &Ray) -> Start {
+    fn start(frame: &Frame, ray: &Ray) -> Start<Self> {
         let origin = frame.local(ray.origin.as_dvec3());
         let direction = ray.direction.as_dvec3() * frame.inverse;
         let size = frame.size();
-        const FOUR_TIMES_ERROR: f64 = 4.0 * 8.0 / 9_007_199_254_740_992.0;
-        if (origin.abs().max_element() + size.max_element()) * FOUR_TIMES_ERROR > WALK_ERROR {
+        const TWICE_ERROR: f64 = 64.0 / 9_007_199_254_740_992.0;
+        if (origin.abs().max_element() + size.max_element()) * TWICE_ERROR > WALK_ERROR {
             return Start::TooFar;
         }
         let range = (f64::from(ray.t_min), f64::from(ray.t_max));
@@ -64,12 +104,14 @@ impl Walk {
         let mut walk = Walk {
             voxel: 0,
             t_next: [f64::INFINITY; 3],
-            plane: [0.0; 3],
-            origin: origin.to_array(),
-            inverse: inverse.to_array(),
-            sign: [1.0; 3],
+            plane: [1.0; 3],
+            origin: [f64::NEG_INFINITY; 3],
+            inverse: [1.0; 3],
+            speed: [0.0; 3],
             stride: strides,
             left: [0; 3],
+            octant: 0,
+            t: t_start,
             t_end,
         };
         let mut first = [0; 3];
@@ -81,39 +123,39 @@ impl Walk {
             let d = direction[axis];
             if d > 0.0 {
                 walk.plane[axis] = f64::from(i) + 1.0;
+                walk.origin[axis] = origin[axis];
                 walk.left[axis] = last - i;
             } else if d < 0.0 {
-                walk.plane[axis] = f64::from(i);
+                walk.plane[axis] = size[axis] - f64::from(i);
+                walk.origin[axis] = size[axis] - origin[axis];
                 walk.left[axis] = i;
-                walk.sign[axis] = -1.0;
                 walk.stride[axis] = -strides[axis];
+                walk.octant |= 1 << axis;
             } else {
                 continue;
             }
-            walk.t_next[axis] = (walk.plane[axis] - walk.origin[axis]) * walk.inverse[axis];
+            walk.inverse[axis] = inverse[axis].abs();
+            walk.speed[axis] = d.abs();
+            walk.t_next[axis] = walk.crossing(axis);
         }
         walk.voxel = frame.index(first);
         Start::Inside(walk)
     }
 
-    /// Index of the voxel.
     #[inline(always)]
-    pub fn voxel(&self) -> usize {
+    fn voxel(&self) -> usize {
         self.voxel
     }
 
-    /// The ray parameter at which the ray leaves the voxel.
     #[inline(always)]
-    pub fn exit(&self) -> f64 {
+    fn exit(&self) -> f64 {
         let [x, y, z] = self.t_next;
         x.min(y).min(z)
     }
 
-    /// Goes to the next voxel; false if the ray ends before it or leaves the grid.
-    ///
     /// A tie goes to one side: the voxels on the other side are met in a point only, which their padding covers.
     #[inline(always)]
-    pub fn step(&mut self) -> bool {
+    fn step(&mut self) -> bool {
         let [x, y, z] = self.t_next;
         if x < y {
             if x < z { self.cross::<0>() } else { self.cross::<2>() }
@@ -125,14 +167,68 @@ impl Walk {
     }
 
     #[inline(always)]
-    fn cross<const AXIS: usize>(&mut self) -> bool {
-        if self.left[AXIS] == 0 || self.t_next[AXIS] > self.t_end {
+    fn end_at(&mut self, t: f64) {
+        self.t_end = self.t_end.min(t);
+    }
+
+    /// The landing voxel is never behind the present one: planes are crossed forwards only. At least one is crossed, so the
+    /// walk always ends. Where a voxel lies beyond the grid, `t` is within rounding of the grid's face, where nothing is.
+    #[inline(always)]
+    fn leap(&mut self, t: f64) -> bool {
+        if t >= self.t_end {
+            return false;
+        }
+        self.t = t;
+        for axis in 0..3 {
+            if self.t_next[axis] > t {
+                continue;
+            }
+            // At least 1; `as` saturates.
+            let crossed = ((t - self.t_next[axis]) * self.speed[axis] + LANDING) as u32;
+            let crossed = crossed.saturating_add(1);
+            if crossed > self.left[axis] {
+                return false;
+            }
+            self.left[axis] -= crossed;
+            self.plane[axis] += f64::from(crossed);
+            self.voxel = self.voxel.wrapping_add_signed(self.stride[axis] * crossed as isize);
+            self.t_next[axis] = self.crossing(axis);
+        }
+        true
+    }
+}
+
+impl Walk {
+    /// Where the ray crosses the next plane of an axis.
+    #[inline(always)]
+    pub(super) fn crossing(&self, axis: usize) -> f64 {
+        (self.plane[axis] - self.origin[axis]) * self.inverse[axis]
+    }
+
+    /// The axis of the next crossing, by the rule of [`VoxelWalk::step`].
+    #[inline(always)]
+    pub(super) fn next_axis(&self) -> usize {
+        let [x, y, z] = self.t_next;
+        if x < y {
+            if x < z { 0 } else { 2 }
+        } else if y < z {
+            1
+        } else {
+            2
+        }
+    }
+
+    /// Crosses the next plane of an axis; false if the ray ends before it or leaves the grid.
+    #[inline(always)]
+    pub(super) fn cross<const AXIS: usize>(&mut self) -> bool {
+        if self.left[AXIS] == 0 || self.t_next[AXIS] >= self.t_end {
             return false;
         }
         self.left[AXIS] -= 1;
         self.voxel = self.voxel.wrapping_add_signed(self.stride[AXIS]);
-        self.plane[AXIS] += self.sign[AXIS];
-        self.t_next[AXIS] = (self.plane[AXIS] - self.origin[AXIS]) * self.inverse[AXIS];
+        self.plane[AXIS] += 1.0;
+        self.t = self.t_next[AXIS];
+        self.t_next[AXIS] = self.crossing(AXIS);
         true
     }
 }

@@ -13,7 +13,11 @@ use crate::accel::{Accel, BruteForce};
 use crate::adapters::obvhs::{self, Preset};
 use crate::error::Result;
 use crate::geometry::Geometry;
-use crate::grid::{Grid, GridOptions};
+use crate::grid::skip::{
+    Chessboard, DirectedSafeZones, DirectedSafeZones24, Distances, DualExtents, Method, Octants, Packed,
+    PrintedLanding, PrintedRule, ProximityClouds, SkipOptions,
+};
+use crate::grid::{Branchless, Grid, GridOptions};
 
 /// What a user may know about an accelerator before building it.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +32,13 @@ pub struct Entry {
     pub source: &'static str,
 }
 
+const SKIP_OPTIONS: &str = "threshold=N (least distance worth a leap, 1..255; 2), distances=linear|log2|half (linear; the \
+                            others take 4 bits each), and those of grid but step";
+const SKIP_OPTIONS_PRINTED: &str = "landing=exact|paper (exact; paper lands as printed, gets rays wrong and counts them), \
+                                    threshold=N (least distance worth a leap, 1..255; 2, paper 5), \
+                                    distances=linear|log2|half (linear; the others take 4 bits each), and those of grid but \
+                                    step";
+
 /// All accelerators compiled in, in the order of `skipgrid list`.
 pub const ENTRIES: &[Entry] = &[
     Entry {
@@ -39,9 +50,48 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "grid",
         summary: "uniform grid, voxel walk with recomputed crossings",
-        options: "density=F (voxels a primitive, above 0; 2), resolution=N or NxNxN (1..4096), mailbox=on|off (off), \
-                  memory=BYTES (a quarter of the machine's, at most 8G)",
+        options: "step=branching|branchless (branching), density=F (voxels a primitive, above 0; 2), \
+                  resolution=N or NxNxN (1..4096), mailbox=on|off (off), memory=BYTES (a quarter of the machine's, at \
+                  most 8G)",
         source: "Amanatides & Woo 1987; lists after Lagae & Dutré 2008",
+    },
+    Entry {
+        name: "grid-clouds",
+        summary: "grid with proximity clouds: city-block distances, 4 bytes a voxel",
+        options: SKIP_OPTIONS_PRINTED,
+        source: "Cohen & Sheffer 1994; Semwal & Kvarnstrom 1997 section 3",
+    },
+    Entry {
+        name: "grid-dsz",
+        summary: "grid with directed safe zones: a distance for each face, 8 bytes a voxel",
+        options: SKIP_OPTIONS_PRINTED,
+        source: "Semwal & Kvarnstrom 1997 section 4",
+    },
+    Entry {
+        name: "grid-dual",
+        summary: "grid with dual extents: a cloud and six lanes, 8 bytes a voxel",
+        options: "lane=N (half width of the lanes in voxels, 1..255; 16), landing=exact|paper (exact), \
+                  threshold=N (least distance worth a leap, 1..255; 2), distances=linear|log2|half (linear), and those of grid \
+                  but step",
+        source: "Semwal & Kvarnstrom 1997 section 5",
+    },
+    Entry {
+        name: "grid-dsz24",
+        summary: "grid with directed safe zones of 24 values, kept as eight octant distances, 8 bytes a voxel",
+        options: SKIP_OPTIONS,
+        source: "Semwal & Kvarnstrom 1997 section 10",
+    },
+    Entry {
+        name: "grid-chessboard",
+        summary: "grid with Chebyshev distances, leaps to the exit of the empty cube, 4 bytes a voxel",
+        options: SKIP_OPTIONS,
+        source: "Sramek & Kaufman 2000",
+    },
+    Entry {
+        name: "grid-octant",
+        summary: "grid with a Chebyshev distance for each octant of directions, 8 bytes a voxel",
+        options: SKIP_OPTIONS,
+        source: "after Es & Isler 2007 and Deakin & Knackstedt 2020",
     },
     #[cfg(feature = "obvhs")]
     Entry {
@@ -81,9 +131,21 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
             Box::new(BruteForce::new(geometry))
         }
         "grid" => {
+            let step = spec.take_choice("step", &[("branching", Step::Branching), ("branchless", Step::Branchless)])?;
             let options = grid_options(&mut spec)?;
-            Box::new(Grid::build(geometry, &options)?)
+            spec.finish()?;
+            let grid = Grid::build(geometry, &options)?;
+            match step.unwrap_or_default() {
+                Step::Branching => Box::new(grid),
+                Step::Branchless => Box::new(grid.with_walk::<Branchless>()),
+            }
         }
+        "grid-clouds" => skip_grid_printed::<_, ProximityClouds>(spec, geometry)?,
+        "grid-dsz" => skip_grid_printed::<_, DirectedSafeZones>(spec, geometry)?,
+        "grid-dual" => skip_grid_printed::<_, DualExtents>(spec, geometry)?,
+        "grid-dsz24" => skip_grid::<_, DirectedSafeZones24>(spec, geometry)?,
+        "grid-chessboard" => skip_grid::<_, Chessboard>(spec, geometry)?,
+        "grid-octant" => skip_grid::<_, Octants>(spec, geometry)?,
         #[cfg(feature = "obvhs")]
         "obvhs-bvh2" => {
             let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
@@ -106,6 +168,62 @@ pub(crate) fn with_default(spec: &str, key: &str, value: &str) -> String {
     spec::with_default(ENTRIES, spec, key, value)
 }
 
+/// How the plain grid steps.
+#[derive(Clone, Copy, Default)]
+enum Step {
+    #[default]
+    Branching,
+    Branchless,
+}
+
+/// A method whose landing is in print.
+fn skip_grid_printed<'a, G: Geometry + 'a, M: PrintedRule>(mut spec: Spec, geometry: G) -> Result<Box<dyn Accel + 'a>> {
+    let paper = spec.take_choice("landing", &[("exact", false), ("paper", true)])?.unwrap_or_default();
+    if !paper {
+        return skip_grid::<G, M>(spec, geometry);
+    }
+    // The paper leaps from five on.
+    let mut skip = skip_options(&mut spec, SkipOptions { threshold: 5, ..SkipOptions::default() })?;
+    if M::NAME == DualExtents::NAME {
+        skip.lane = lane(&mut spec)?.unwrap_or(skip.lane);
+    }
+    let options = grid_options(&mut spec)?;
+    spec.finish()?;
+    let grid = Grid::build(geometry, &options)?;
+    Ok(Box::new(PrintedLanding::<G, M>::new(grid, &skip)?))
+}
+
+fn skip_grid<'a, G: Geometry + 'a, M: Method>(mut spec: Spec, geometry: G) -> Result<Box<dyn Accel + 'a>> {
+    let mut skip = skip_options(&mut spec, SkipOptions::default())?;
+    if M::NAME == DualExtents::NAME {
+        skip.lane = lane(&mut spec)?.unwrap_or(skip.lane);
+    }
+    let options = grid_options(&mut spec)?;
+    spec.finish()?;
+    let grid = Grid::build(geometry, &options)?;
+    Ok(match skip.distances {
+        Distances::Linear => Box::new(grid.with_skip::<M>(&skip)?),
+        _ => Box::new(grid.with_table::<M, Packed>(&skip)?),
+    })
+}
+
+fn skip_options(spec: &mut Spec, default: SkipOptions) -> Result<SkipOptions> {
+    let forms = [("linear", Distances::Linear), ("log2", Distances::Log2), ("half", Distances::HalfLog2)];
+    Ok(SkipOptions {
+        distances: spec.take_choice("distances", &forms)?.unwrap_or(default.distances),
+        threshold: spec.take("threshold", above_zero)?.unwrap_or(default.threshold),
+        ..default
+    })
+}
+
+fn lane(spec: &mut Spec) -> Result<Option<u8>> {
+    spec.take("lane", above_zero)
+}
+
+fn above_zero(text: &str) -> Option<u8> {
+    text.parse().ok().filter(|&n| n > 0)
+}
+
 fn grid_options(spec: &mut Spec) -> Result<GridOptions> {
     let mut options = GridOptions::default();
     if let Some(density) = spec.take("density", |v| v.parse().ok().filter(|d: &f64| d.is_finite() && *d > 0.0))? {
@@ -118,7 +236,6 @@ fn grid_options(spec: &mut Spec) -> Result<GridOptions> {
     if let Some(memory) = spec.take("memory", spec::parse_bytes)? {
         options.memory = memory;
     }
-    spec.finish()?;
     Ok(options)
 }
 

@@ -96,7 +96,10 @@ impl Spec {
 pub(super) fn with_default(entries: &[Entry], spec: &str, key: &str, value: &str) -> String {
     let (name, options) = spec.split_once(':').unwrap_or((spec, ""));
     let key = format!("{key}=");
-    let takes = entries.iter().any(|entry| entry.name == name && entry.options.contains(&key));
+    let options_of = |name: &str| entries.iter().find(|entry| entry.name == name).map_or("", |entry| entry.options);
+    let own = options_of(name);
+    // The options of `grid` are written out once only.
+    let takes = own.contains(&key) || (own.contains("those of grid") && options_of("grid").contains(&key));
     let set = options.split(',').any(|option| option.starts_with(&key));
     match (takes && !set, options.is_empty()) {
         (false, _) => spec.to_string(),

@@ -10,6 +10,14 @@ fn specs() -> Vec<String> {
     let mut specs: Vec<String> = registry::ENTRIES.iter().map(|e| e.name.to_string()).collect();
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
     specs.extend(grids.iter().map(|o| format!("grid:{o}")));
+    specs.push("grid:step=branchless".into());
+    for name in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
+        for options in ["resolution=64", "density=30,distances=log2,threshold=1", "resolution=1x40x1,distances=half"] {
+            specs.push(format!("grid-{name}:{options}"));
+        }
+    }
+    specs.push("grid-dual:resolution=64,lane=255,threshold=1".into());
+    specs.push("grid-dsz:density=30,mailbox=on".into());
     for name in ["obvhs-bvh2", "obvhs-cwbvh"] {
         if registry::ENTRIES.iter().any(|e| e.name == name) {
             specs.extend(["fastest", "very_slow"].iter().map(|p| format!("{name}:preset={p}")));

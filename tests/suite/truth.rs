@@ -102,6 +102,16 @@ fn grids_answer_exactly() {
     check("grid:density=20,mailbox=on");
 }
 
+#[test]
+fn skip_methods_answer_exactly() {
+    for name in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
+        check(&format!("grid-{name}"));
+        check(&format!("grid-{name}:density=20,threshold=1"));
+        check(&format!("grid-{name}:density=20,distances=log2"));
+    }
+    check("grid:density=20,step=branchless");
+}
+
 #[cfg(feature = "obvhs")]
 #[test]
 fn obvhs_with_the_exact_test_answers_exactly() {

@@ -90,6 +90,7 @@ impl Dots {
         svg.line((left, bottom), (left + SCALE, bottom), "axis");
         for (i, (label, values)) in panel.rows.iter().enumerate() {
             let y = top + ROW * (i as f64 + 0.5);
+            svg.line((left, y), (left + SCALE, y), "grid");
             svg.text((left - 8.0, y + 4.0), Anchor::End, "", label);
             let places: Vec<Option<f64>> = values.iter().map(|v| scale.at(*v)).collect();
             let (least, most) =

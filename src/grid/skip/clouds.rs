@@ -1,0 +1,51 @@
+//! Proximity clouds.
+//!
+//! D. Cohen and Z. Sheffer, "Proximity Clouds: An Acceleration Technique for 3D Grid Traversal", 1994; Semwal & Kvarnstrom
+//! 1997 §3: each empty voxel knows the city-block distance D to the nearest filled one, and the ray skips ahead by D - 1.
+//!
+//! Region: the ball of city-block radius D around the voxel holds no filled voxel, by the definition of D.
+//!
+//! Departs from both: the leap ends on the plane where the ray leaves that ball ([`Diamond`]) instead of D - 1 units on,
+//! which is right on paper in two dimensions from a voxel's centre only; and it is taken wherever it passes the next
+//! crossing, not from D = 5 on. The two mask passes of the distance transform are six sweeps ([`city_block`]).
+
+use super::distance::city_block;
+use super::printed::PrintedRule;
+use super::region::{Diamond, corner};
+use super::slot::{One, Slot};
+use super::{Method, SkipOptions};
+use crate::grid::occupancy::Occupancy;
+use crate::grid::walk::Walk;
+
+/// City-block distance to the nearest filled voxel: one byte, in a slot of four.
+#[derive(Clone, Copy, Debug)]
+pub struct ProximityClouds;
+
+impl Method for ProximityClouds {
+    type Slot = One;
+    type Ray = Diamond;
+    const NAME: &'static str = "proximity clouds";
+    const PEAK: u64 = 1;
+
+    fn distances(occupancy: &Occupancy, _options: &SkipOptions) -> Vec<Vec<u8>> {
+        vec![city_block(occupancy)]
+    }
+
+    #[inline(always)]
+    fn ray(walk: &Walk) -> Diamond {
+        Diamond::new(walk, &[0, 1, 2])
+    }
+
+    #[inline(always)]
+    fn safe_until<T: Slot>(ray: &Diamond, walk: &Walk, _slots: &[T], slot: T) -> f64 {
+        ray.end(slot.distance(0), corner(walk))
+    }
+}
+
+impl PrintedRule for ProximityClouds {
+    /// x' = x + (D - 1) C, where the components of C sum to 1.
+    #[inline(always)]
+    fn printed_until<T: Slot>(ray: &Diamond, walk: &Walk, slot: T) -> f64 {
+        walk.t + (f64::from(slot.distance(0)) - 1.0) * ray.inverse()
+    }
+}

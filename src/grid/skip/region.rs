@@ -1,0 +1,71 @@
+//! Where a ray leaves a city-block ball.
+
+use crate::grid::walk::Walk;
+
+/// The plane form of the safe length, for some of the axes.
+///
+/// A ball of city-block radius D around voxel v contains every voxel less than D crossings ahead. Ahead of v it is bounded by
+/// the plane s.p = s.v + D, where s is the ray's sense and v the corner of the voxel where it would enter: in mirrored
+/// coordinates the sum of p is the sum of v plus D. The ray gets there at t = (D + sum(v) - sum(o)) / sum(d), whatever its
+/// position in v. Every voxel it meets before has a lesser sum of coordinates than sum(v) + D, so fewer than D crossings lie
+/// between, and it is empty.
+#[derive(Clone, Copy, Debug)]
+pub struct Diamond {
+    /// One over the ray's city-block length for each unit of `t`; 0 if it does not move along these axes.
+    inverse: f64,
+    /// Sum of the origin's coordinates.
+    origin: f64,
+}
+
+impl Diamond {
+    /// Over the given axes. Those along which the ray does not move drop out.
+    #[inline(always)]
+    pub fn new(walk: &Walk, axes: &[usize]) -> Self {
+        let (mut length, mut origin) = (0.0, 0.0);
+        for &axis in axes {
+            if walk.speed[axis] > 0.0 {
+                length += walk.speed[axis];
+                origin += walk.origin[axis];
+            }
+        }
+        if length > 0.0 {
+            Self { inverse: 1.0 / length, origin }
+        } else {
+            Self { inverse: 0.0, origin: f64::NEG_INFINITY }
+        }
+    }
+
+    /// City-block length for each unit of `t`, over one.
+    #[inline(always)]
+    pub fn inverse(&self) -> f64 {
+        self.inverse
+    }
+
+    /// Where the ray leaves the ball of radius `distance` around the voxel whose coordinates along these axes sum to
+    /// `corner`; infinite if it does not move along them.
+    #[inline(always)]
+    pub fn end(&self, distance: u32, corner: f64) -> f64 {
+        // Without movement: infinity times zero is told apart here, outside the hot path of the other methods.
+        if self.inverse == 0.0 { f64::INFINITY } else { (f64::from(distance) + corner - self.origin) * self.inverse }
+    }
+}
+
+/// The coordinates of the walk's voxel along an axis; 0 if the ray does not move along it.
+#[inline(always)]
+pub fn coordinate(walk: &Walk, axis: usize) -> f64 {
+    walk.plane[axis] - 1.0
+}
+
+/// Their sum over all axes.
+#[inline(always)]
+pub fn corner(walk: &Walk) -> f64 {
+    walk.plane[0] + walk.plane[1] + walk.plane[2] - 3.0
+}
+
+/// Where the ray leaves the box of `distance` voxels along each axis whose first corner is the walk's voxel.
+#[inline(always)]
+pub fn box_end(walk: &Walk, distance: u32) -> f64 {
+    let beyond = f64::from(distance) - 1.0;
+    let end = |axis: usize| (walk.plane[axis] + beyond - walk.origin[axis]) * walk.inverse[axis];
+    end(0).min(end(1)).min(end(2))
+}
