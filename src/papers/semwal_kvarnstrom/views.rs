@@ -27,7 +27,7 @@ pub const VIEWS: [&str; 3] = ["camera", "axis", "inside"];
 /// The views in words.
 pub const VIEWS_IN_WORDS: &str = "Views: `camera` is the scene's own or, where it has none, one framed around it; `axis` \
     looks along a grid axis from far away with a field of view of 5 degrees, so that its rays are nearly parallel to it \
-    (in lanes: down the lanes); `inside` stands among the objects and looks across the axes with 60 degrees.";
+    (down the lanes; down on the cars); `inside` stands among the objects and looks across the axes with 60 degrees.";
 
 /// The paper's four scenes. Its numbers of objects are lost; these have four digits as its ones had.
 pub const SETTINGS: [Setting; 4] = [
@@ -64,7 +64,7 @@ pub const SETTINGS: [Setting; 4] = [
         spec: "cars",
         floor: true,
         up: DVec3::Y,
-        axis: DVec3::NEG_X,
+        axis: DVec3::NEG_Y,
         inside: [DVec3::new(0.0, 1.2, 0.0), DVec3::new(3.0, 0.3, 1.9)],
     },
 ];
@@ -84,7 +84,7 @@ impl Setting {
 
     /// The cameras of [`VIEWS`]; `own` is the scene's.
     pub fn cameras(&self, own: Camera, bounds: &Aabb) -> [Camera; 3] {
-        let look = |origin, target, yfov| Camera { origin, target, up: self.up, yfov, source: CameraSource::File };
+        let look = |origin, target, up, yfov| Camera { origin, target, up, yfov, source: CameraSource::File };
         let centre = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
         let half = bounds.extent().as_dvec3() / 2.0;
         let yfov = 5.0_f64;
@@ -92,7 +92,8 @@ impl Setting {
         let across = (half - half * self.axis.abs()).max_element();
         let away = half.dot(self.axis.abs()) + across / (yfov.to_radians() / 2.0).tan();
         let [eye, target] = self.inside;
-        [own, look(centre - away * self.axis, centre, yfov), look(eye, target, 60.0)]
+        let up = if self.axis.dot(self.up) == 0.0 { self.up } else { DVec3::NEG_Z };
+        [own, look(centre - away * self.axis, centre, up, yfov), look(eye, target, self.up, 60.0)]
     }
 }
 
