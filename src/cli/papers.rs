@@ -87,7 +87,7 @@ struct Spd {
 
 #[derive(Debug, clap::Args)]
 struct Common {
-    /// Rows and columns of the pictures (256; 48 with --quick)
+    /// Rows and columns of the pictures (192; 48 with --quick)
     #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<u32>::new().range(1..=1024))]
     size: Option<u32>,
 
@@ -185,7 +185,7 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
         bar.set_message(next.to_string());
     };
     let quick = common.quick;
-    let size = common.size.unwrap_or(if quick { 48 } else { 256 });
+    let size = common.size.unwrap_or(if quick { 48 } else { 192 });
     let rounds = common.rounds.unwrap_or(if quick { 1 } else { 5 });
     let or = |given: &[u32], full: &[u32], small: &[u32]| match given {
         [] if quick => small.to_vec(),

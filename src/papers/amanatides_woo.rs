@@ -2,7 +2,7 @@
 
 use super::plot::{Line, Lines, Plot};
 use super::report::{Cell, Claim, Report, Table, Verdict, significant};
-use super::trace::{Asked, Cost, costs, record, settings, thinned};
+use super::trace::{Asked, Cost, check, costs, pass, record, settings, thinned};
 use super::{Watch, printed_walk};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
@@ -156,9 +156,9 @@ fn naive(scene: &Scene, asked: &[Asked], options: &Options) -> Result<([f64; 2],
     // Checked before: the render can fail only as it did in `record`.
     let passes = in_turns(2, options.rounds, |i| match i {
         0 => drop(render(scene, &*brute, &settings(size), &|_, _| {})),
-        _ => drop(super::trace::pass(&few, &*brute)),
+        _ => pass(&few, &*brute),
     });
-    let wrong = super::trace::check(&thinned(asked, 4096), &*brute).1;
+    let wrong = check(&thinned(asked, 4096), &*brute).1;
     Ok(([1.0 / passes[0].per_second, 1.0 / passes[1].per_second], wrong))
 }
 

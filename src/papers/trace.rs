@@ -65,6 +65,13 @@ pub fn record(scene: &Scene, plain: &dyn Accel, size: u32) -> Result<Vec<Asked>>
     Ok(recorder.asked.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
+/// `rays` as questions for the closest hit, with the answers of `plain`.
+pub fn ask(rays: &[Ray], plain: &dyn Accel) -> Vec<Asked> {
+    let asked =
+        |ray: &Ray| Asked { ray: *ray, origin: Origin::Primary, answer: Answer::Closest(plain.closest_hit(ray)) };
+    rays.iter().map(asked).collect()
+}
+
 /// How the pictures are rendered: on one thread.
 pub fn settings(size: u32) -> Settings {
     Settings {

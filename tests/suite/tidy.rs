@@ -20,7 +20,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
     ("measure", &["accel", "error", "random", "ray", "scene"]),
-    ("papers", &["accel", "error", "geometry", "grid", "measure", "ray", "registry", "render", "scene"]),
+    ("papers", &["accel", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"]),
     ("cli", &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "validate"]),
 ];
 

@@ -6,7 +6,8 @@ use super::views::VIEWS;
 
 /// All claims in the paper's order, as numbered in our notes on it.
 pub fn judge(study: &Study) -> Vec<Claim> {
-    let judges: [fn(&Study) -> (Text, Outcome); 12] = [
+    type Judge = fn(&Study) -> (Text, Outcome);
+    let judges: [Judge; 12] = [
         all_faster,
         ratios_grow,
         plain_worsens,

@@ -1,6 +1,7 @@
 //! Semwal & Kvarnstrom 1997: skip methods on Random, Lanes, Flakes and Cars, three views, three grid sizes.
 
 mod claims;
+mod landing;
 mod study;
 mod tables;
 mod views;
@@ -76,6 +77,9 @@ fn report(options: &Options, study: &Study) -> Report {
          enters for each voxel that the method enters: the mean length of its moves, leaps included. ratio is the plain \
          grid's render s over the method's.",
         VIEWS_IN_WORDS,
+        "The printed landing rule, a leap of D - 1 units, can pass over a filled voxel; the answer is wrong if no voxel that \
+         is still visited holds the primitive. Boxes that fill single voxels show how often that is; random rays through \
+         them.",
         "The paper's tables are lost: only its claims can be compared.",
     ]
     .map(String::from)

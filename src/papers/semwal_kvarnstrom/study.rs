@@ -2,6 +2,7 @@
 
 use super::super::Watch;
 use super::super::trace::{Asked, Cost, check, costs, record, thinned};
+use super::landing::{self, Landing};
 use super::views::{SETTINGS, Setting, VIEWS};
 use super::{Options, PLAIN};
 use crate::accel::{Accel, Memory};
@@ -18,6 +19,8 @@ pub const CLOUDS: &str = "grid-clouds";
 pub const DSZ: &str = "grid-dsz";
 /// Dual extents.
 pub const DUAL: &str = "grid-dual";
+/// The methods whose landing is in print.
+const PRINTED: [&str; 3] = [CLOUDS, DSZ, DUAL];
 /// The isotropic rival of the clouds.
 pub const CHESSBOARD: &str = "grid-chessboard";
 
@@ -55,21 +58,6 @@ pub struct Built {
     pub seconds: f64,
     /// Bytes.
     pub memory: Memory,
-}
-
-/// Rays of all views that the printed landing rule answers wrongly.
-#[derive(Clone, Debug)]
-pub struct Landing {
-    /// Index.
-    pub scene: usize,
-    /// Index.
-    pub grid: usize,
-    /// Specification.
-    pub method: String,
-    /// All rays.
-    pub rays: u64,
-    /// Those whose answer differs from the plain grid's.
-    pub wrong: u64,
 }
 
 /// A method on a coarse grid over Random.
@@ -135,6 +123,9 @@ impl Study {
                 study.brute = Some(brute(&scene, &pictures[0], options)?);
             }
         }
+        let printed = PRINTED.into_iter().filter(|m| study.method(m).is_some());
+        let boxes = landing::on_boxes(&printed.collect::<Vec<_>>(), options.size)?;
+        study.landings.extend(boxes);
         Ok(study)
     }
 
@@ -157,12 +148,16 @@ impl Study {
         for asked in pictures {
             self.runs.extend(costs(asked, &accels, options.rounds));
         }
-        let printed = self.methods.clone().into_iter().filter(|m| [CLOUDS, DSZ, DUAL].contains(&m.as_str()));
-        for method in printed.map(|m| m + ":landing=paper") {
+        let printed = PRINTED.iter().filter(|m| self.method(m).is_some());
+        for method in printed.map(|m| format!("{m}:landing=paper")) {
             let accel = scene.accel(&at(&method, self.grids[g]))?;
-            let wrong = pictures.iter().map(|asked| check(asked, &*accel).1).sum();
-            let rays = pictures.iter().map(|asked| asked.len() as u64).sum();
-            self.landings.push(Landing { scene: s, grid: g, method, rays, wrong });
+            let (mut rays, mut wrong) = (0, 0);
+            for asked in pictures {
+                rays += asked.len() as u64;
+                wrong += check(asked, &*accel).1;
+            }
+            let scene = self.scenes[s].to_string();
+            self.landings.push(Landing { scene, grid: self.grids[g], method, rays, wrong });
         }
         Ok(())
     }

@@ -126,7 +126,7 @@ fn properties(study: &Study) -> Table {
 fn memory(study: &Study) -> Table {
     let mut table = Table::new(
         "memory",
-        "Bytes held beside the objects; bytes per voxel are those of voxels and skip tables, without references",
+        "Bytes held beside the objects; bytes per voxel are those of voxels, starts of lists and skip tables, without references",
         &["<scene", "grid", "<method", "voxels", "references", "skip tables", "total", "bytes/voxel"],
     );
     for (s, name) in study.scenes.iter().enumerate() {
@@ -158,8 +158,8 @@ fn landing(study: &Study) -> Table {
     );
     for landing in &study.landings {
         let cells: [Cell; 6] = [
-            study.scenes[landing.scene].into(),
-            study.grids[landing.grid].into(),
+            landing.scene.as_str().into(),
+            landing.grid.into(),
             landing.method.as_str().into(),
             landing.rays.into(),
             landing.wrong.into(),
