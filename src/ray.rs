@@ -107,29 +107,16 @@ impl Cell {
     }
 }
 
-/// The part of `t_min..=t_max` over which `origin + t * direction` lies between the planes of a box, or `None`.
-///
-/// `inverse` is 1 over each component of the direction. A component that is zero, the inverse infinite, is a test of the
-/// origin, never a product with infinity. The result is right up to a few roundings of f64, so callers pad their boxes. The
-/// direction is not zero and the box is bounded, so the result is finite.
+/// The lesser of two numbers, neither a NaN: one instruction, where `f64::min` takes five.
 #[inline(always)]
-pub(crate) fn clip(
-    origin: DVec3,
-    inverse: DVec3,
-    (min, max): (DVec3, DVec3),
-    (t_min, t_max): (f64, f64),
-) -> Option<(f64, f64)> {
-    let (mut enter, mut leave) = (t_min, t_max);
-    let (a, b) = ((min - origin) * inverse, (max - origin) * inverse);
-    for axis in 0..3 {
-        if inverse[axis].is_finite() {
-            enter = enter.max(a[axis].min(b[axis]));
-            leave = leave.min(a[axis].max(b[axis]));
-        } else if origin[axis] < min[axis] || origin[axis] > max[axis] {
-            return None;
-        }
-    }
-    (enter <= leave).then_some((enter, leave))
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers, neither a NaN.
+#[inline(always)]
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 #[cfg(test)]

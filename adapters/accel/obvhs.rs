@@ -16,7 +16,7 @@
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
-use crate::ray::{Aabb, Ray, clip};
+use crate::ray::{Aabb, Ray, greater, lesser};
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
@@ -326,4 +326,24 @@ impl<G: Geometry, T: Tree> Accel for Bvh<G, T> {
             if ignored > 0 { format!(", {ignored} primitives that no ray can hit left out") } else { String::new() };
         format!("preset {preset}, nodes visited are not counted{left_out}")
     }
+}
+
+/// The part of `t_min..=t_max` over which `origin + t * direction` lies between the planes of a box, or `None`.
+///
+/// `inverse` is 1 over each component of the direction. A component that is zero, the inverse infinite, is a test of the
+/// origin, never a product with infinity. The result is right up to a few roundings of f64, so callers pad their boxes. The
+/// direction is not zero and the box is bounded, so the result is finite.
+#[inline(always)]
+fn clip(origin: DVec3, inverse: DVec3, (min, max): (DVec3, DVec3), (t_min, t_max): (f64, f64)) -> Option<(f64, f64)> {
+    let (mut enter, mut leave) = (t_min, t_max);
+    let (a, b) = ((min - origin) * inverse, (max - origin) * inverse);
+    for axis in 0..3 {
+        if inverse[axis].is_finite() {
+            enter = greater(enter, lesser(a[axis], b[axis]));
+            leave = lesser(leave, greater(a[axis], b[axis]));
+        } else if origin[axis] < min[axis] || origin[axis] > max[axis] {
+            return None;
+        }
+    }
+    (enter <= leave).then_some((enter, leave))
 }

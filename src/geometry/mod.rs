@@ -4,7 +4,7 @@
 //! exact arithmetic: the least `t` wins, and at equal `t` the least index.
 
 mod exact;
-mod expansion;
+pub(crate) mod expansion;
 mod indexed;
 mod mixed;
 mod sphere;

@@ -21,16 +21,20 @@ mod options;
 mod parallel;
 pub mod skip;
 mod voxelise;
+mod voxels;
 mod walk;
 mod walk_branchless;
+mod walk_integer;
 
 pub use options::GridOptions;
+pub use voxels::{Face, VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;
 pub use walk_branchless::Branchless;
+pub use walk_integer::IntegerWalk;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
-use crate::ray::{Aabb, Ray};
+use crate::ray::{Aabb, Ray, greater};
 use frame::Frame;
 use mailbox::Mailbox;
 use skip::{Look, NoSkip, Skip, Voxels};
@@ -140,13 +144,15 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
                     }
                 }
                 Look::Empty(safe_until) => {
-                    if safe_until > walk.exit() {
+                    // A step is the shortest leap; to tell them apart would be a branch that no predictor gets right.
+                    let exit = walk.exit();
+                    if safe_until > exit {
                         probe.leap();
-                        if !walk.leap(safe_until) {
-                            return best;
-                        }
-                        continue;
                     }
+                    if !walk.leap(greater(safe_until, exit)) {
+                        return best;
+                    }
+                    continue;
                 }
             }
             if !walk.step() {

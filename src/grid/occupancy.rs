@@ -24,7 +24,7 @@ impl Occupancy {
     pub(super) fn neighbour(&self, voxel: usize, face: usize) -> Option<usize> {
         let (axis, stride) = (face / 2, self.stride(face / 2));
         let at = voxel / stride % self.resolution[axis];
-        if face % 2 == 0 {
+        if face & 1 == 0 {
             (at + 1 < self.resolution[axis]).then(|| voxel + stride)
         } else {
             (at > 0).then(|| voxel - stride)

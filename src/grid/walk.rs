@@ -15,7 +15,7 @@
 //! leaves room for [`LANDING`].
 
 use super::frame::{Frame, WALK_ERROR};
-use crate::ray::{Ray, clip};
+use crate::ray::{Ray, greater, lesser};
 use glam::DVec3;
 
 /// A walk over the voxels that a ray meets, in their order along the ray.
@@ -35,7 +35,7 @@ pub trait VoxelWalk: Clone + Send + Sync {
     /// Lowers the end of the ray to `t`.
     fn end_at(&mut self, t: f64);
 
-    /// Goes to the voxel at parameter `t`, beyond [`VoxelWalk::exit`]; false if the ray ends before it or leaves the grid.
+    /// Goes to the voxel at parameter `t`, not before [`VoxelWalk::exit`]; false if the ray ends before it or leaves the grid.
     /// A walk that cannot leap takes a step.
     #[inline(always)]
     fn leap(&mut self, _t: f64) -> bool {
@@ -43,8 +43,8 @@ pub trait VoxelWalk: Clone + Send + Sync {
     }
 }
 
-/// A leap crosses a plane that is nearer than this to where it lands, in voxels: leaps that end on a plane need no further
-/// step. A small part of [`WALK_ERROR`].
+/// A ray that is nearer than this to a plane ahead counts as beyond it where it enters the grid or lands, in voxels: leaps
+/// that end on a plane need no further step. A small part of [`WALK_ERROR`].
 const LANDING: f64 = 1.0 / 1_048_576.0;
 
 /// How a ray meets the grid.
@@ -73,7 +73,7 @@ pub struct Walk {
     pub(super) inverse: [f64; 3],
     /// Voxels for each unit of `t`, not negative.
     pub(super) speed: [f64; 3],
-    /// From voxel index to voxel index.
+    /// From voxel index to voxel index; 0 if the ray does not move along the axis.
     pub(super) stride: [isize; 3],
     /// Steps that stay within the grid.
     pub(super) left: [u32; 3],
@@ -92,15 +92,9 @@ impl VoxelWalk for Walk {
         let direction = ray.direction.as_dvec3() * frame.inverse;
         let size = frame.size();
         const TWICE_ERROR: f64 = 64.0 / 9_007_199_254_740_992.0;
-        if (origin.abs().max_element() + size.max_element()) * TWICE_ERROR > WALK_ERROR {
+        if (greatest(origin.abs()) + greatest(size)) * TWICE_ERROR > WALK_ERROR {
             return Start::TooFar;
         }
-        let range = (f64::from(ray.t_min), f64::from(ray.t_max));
-        let inverse = direction.recip();
-        let Some((t_start, t_end)) = clip(origin, inverse, (DVec3::ZERO, size), range) else { return Start::Miss };
-        let entry = origin + t_start * direction;
-        let [nx, ny, _] = frame.resolution.map(|n| n as isize);
-        let strides = [1, nx, nx * ny];
         let mut walk = Walk {
             voxel: 0,
             t_next: [f64::INFINITY; 3],
@@ -108,37 +102,50 @@ impl VoxelWalk for Walk {
             origin: [f64::NEG_INFINITY; 3],
             inverse: [1.0; 3],
             speed: [0.0; 3],
-            stride: strides,
+            stride: [0; 3],
             left: [0; 3],
             octant: 0,
-            t: t_start,
-            t_end,
+            t: f64::from(ray.t_min),
+            t_end: f64::from(ray.t_max),
         };
-        let mut first = [0; 3];
         for axis in 0..3 {
-            let last = frame.resolution[axis] - 1;
-            // `as` saturates: an entry a hair outside lands in the voxel at the border.
-            let i = (entry[axis] as u32).min(last);
-            first[axis] = i;
-            let d = direction[axis];
-            if d > 0.0 {
-                walk.plane[axis] = f64::from(i) + 1.0;
-                walk.origin[axis] = origin[axis];
-                walk.left[axis] = last - i;
-            } else if d < 0.0 {
-                walk.plane[axis] = size[axis] - f64::from(i);
-                walk.origin[axis] = size[axis] - origin[axis];
-                walk.left[axis] = i;
-                walk.stride[axis] = -strides[axis];
-                walk.octant |= 1 << axis;
-            } else {
+            let speed = direction[axis].abs();
+            let inverse = 1.0 / speed;
+            if !inverse.is_finite() {
+                // No movement along this axis: the ray is in one slab of voxels, or beside the grid.
+                if origin[axis] < 0.0 || origin[axis] > size[axis] {
+                    return Start::Miss;
+                }
                 continue;
             }
-            walk.inverse[axis] = inverse[axis].abs();
-            walk.speed[axis] = d.abs();
-            walk.t_next[axis] = walk.crossing(axis);
+            let mirrored = direction[axis] < 0.0;
+            walk.octant |= usize::from(mirrored) << axis;
+            walk.origin[axis] = if mirrored { size[axis] - origin[axis] } else { origin[axis] };
+            walk.inverse[axis] = inverse;
+            walk.speed[axis] = speed;
+            walk.t = greater(walk.t, (0.0 - walk.origin[axis]) * inverse);
+            walk.t_end = lesser(walk.t_end, (size[axis] - walk.origin[axis]) * inverse);
         }
-        walk.voxel = frame.index(first);
+        // A bounded box and a ray that moves: both are finite here.
+        if walk.t > walk.t_end {
+            return Start::Miss;
+        }
+        let mut stride = 1;
+        for axis in 0..3 {
+            let last = frame.resolution[axis] - 1;
+            if walk.speed[axis] > 0.0 {
+                let entry = whole(walk.origin[axis] + walk.t * walk.speed[axis] + LANDING).1.min(last);
+                walk.plane[axis] = f64::from(entry + 1);
+                walk.left[axis] = last - entry;
+                walk.t_next[axis] = walk.crossing(axis);
+                let mirrored = walk.octant >> axis & 1 != 0;
+                walk.stride[axis] = if mirrored { -stride } else { stride };
+                walk.voxel += (if mirrored { last - entry } else { entry }) as usize * stride as usize;
+            } else {
+                walk.voxel += whole(origin[axis] + LANDING).1.min(last) as usize * stride as usize;
+            }
+            stride *= frame.resolution[axis] as isize;
+        }
         Start::Inside(walk)
     }
 
@@ -150,7 +157,7 @@ impl VoxelWalk for Walk {
     #[inline(always)]
     fn exit(&self) -> f64 {
         let [x, y, z] = self.t_next;
-        x.min(y).min(z)
+        lesser(lesser(x, y), z)
     }
 
     /// A tie goes to one side: the voxels on the other side are met in a point only, which their padding covers.
@@ -168,34 +175,49 @@ impl VoxelWalk for Walk {
 
     #[inline(always)]
     fn end_at(&mut self, t: f64) {
-        self.t_end = self.t_end.min(t);
+        self.t_end = lesser(self.t_end, t);
     }
 
     /// The landing voxel is never behind the present one: planes are crossed forwards only. At least one is crossed, so the
     /// walk always ends. Where a voxel lies beyond the grid, `t` is within rounding of the grid's face, where nothing is.
+    ///
+    /// No branch but the ends of the ray and the grid: where a leap goes is as good as random to a branch predictor.
     #[inline(always)]
     fn leap(&mut self, t: f64) -> bool {
         if t >= self.t_end {
             return false;
         }
         self.t = t;
+        let mut inside = true;
         for axis in 0..3 {
-            if self.t_next[axis] > t {
-                continue;
-            }
-            // At least 1; `as` saturates.
-            let crossed = ((t - self.t_next[axis]) * self.speed[axis] + LANDING) as u32;
-            let crossed = crossed.saturating_add(1);
-            if crossed > self.left[axis] {
-                return false;
-            }
-            self.left[axis] -= crossed;
-            self.plane[axis] += f64::from(crossed);
-            self.voxel = self.voxel.wrapping_add_signed(self.stride[axis] * crossed as isize);
+            // NaN, and so nothing, along an axis of no movement; at most the voxels of the axis, as `t` lies before `t_end`.
+            let crossed = whole((t - self.t_next[axis]) * self.speed[axis] + (1.0 + LANDING));
+            inside &= crossed.1 <= self.left[axis];
+            self.left[axis] = self.left[axis].wrapping_sub(crossed.1);
+            self.plane[axis] += crossed.0;
+            self.voxel = self.voxel.wrapping_add_signed(self.stride[axis] * crossed.1 as isize);
             self.t_next[axis] = self.crossing(axis);
         }
-        true
+        inside
     }
+}
+
+/// The whole part of `x`, which is less than 2^31 and further than a rounding from the next lesser whole number; 0 if `x` is
+/// negative or NaN. As a floating-point number and as an integer.
+///
+/// Adding 2^52 + 2^51 leaves a whole number in the low bits, without the tests of range that a conversion would take.
+#[inline(always)]
+fn whole(x: f64) -> (f64, u32) {
+    const SHIFT: f64 = 6_755_399_441_055_744.0;
+    let positive = if x > 0.0 { x } else { 0.0 };
+    // Rounds to the nearest; the half is what makes it round down.
+    let shifted = (positive - 0.5) + SHIFT;
+    (shifted - SHIFT, shifted.to_bits() as u32)
+}
+
+#[inline(always)]
+fn greatest(v: DVec3) -> f64 {
+    greater(greater(v.x, v.y), v.z)
 }
 
 impl Walk {

@@ -17,7 +17,7 @@ use crate::grid::skip::{
     Chessboard, DirectedSafeZones, DirectedSafeZones24, Distances, DualExtents, Method, Octants, Packed,
     PrintedLanding, PrintedRule, ProximityClouds, SkipOptions,
 };
-use crate::grid::{Branchless, Grid, GridOptions};
+use crate::grid::{Branchless, Grid, GridOptions, IntegerWalk};
 
 /// What a user may know about an accelerator before building it.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "grid",
         summary: "uniform grid, voxel walk with recomputed crossings",
-        options: "step=branching|branchless (branching), density=F (voxels a primitive, above 0; 2), \
+        options: "step=branching|branchless|integer (branching), density=F (voxels a primitive, above 0; 2), \
                   resolution=N or NxNxN (1..4096), mailbox=on|off (off), memory=BYTES (a quarter of the machine's, at \
                   most 8G)",
         source: "Amanatides & Woo 1987; lists after Lagae & Dutré 2008",
@@ -131,13 +131,15 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
             Box::new(BruteForce::new(geometry))
         }
         "grid" => {
-            let step = spec.take_choice("step", &[("branching", Step::Branching), ("branchless", Step::Branchless)])?;
+            let steps = [("branching", Step::Branching), ("branchless", Step::Branchless), ("integer", Step::Integer)];
+            let step = spec.take_choice("step", &steps)?;
             let options = grid_options(&mut spec)?;
             spec.finish()?;
             let grid = Grid::build(geometry, &options)?;
             match step.unwrap_or_default() {
                 Step::Branching => Box::new(grid),
                 Step::Branchless => Box::new(grid.with_walk::<Branchless>()),
+                Step::Integer => Box::new(grid.with_walk::<IntegerWalk>()),
             }
         }
         "grid-clouds" => skip_grid_printed::<_, ProximityClouds>(spec, geometry)?,
@@ -174,6 +176,7 @@ enum Step {
     #[default]
     Branching,
     Branchless,
+    Integer,
 }
 
 /// A method whose landing is in print.

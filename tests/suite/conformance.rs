@@ -11,6 +11,7 @@ fn specs() -> Vec<String> {
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
     specs.extend(grids.iter().map(|o| format!("grid:{o}")));
     specs.push("grid:step=branchless".into());
+    specs.push("grid:step=integer,resolution=64".into());
     for name in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
         for options in ["resolution=64", "density=30,distances=log2,threshold=1", "resolution=1x40x1,distances=half"] {
             specs.push(format!("grid-{name}:{options}"));

@@ -9,9 +9,11 @@ mod pictures;
 mod random;
 mod render;
 mod scenes;
+mod spd;
 mod tidy;
 mod truth;
 mod validate;
+mod voxels;
 
 /// A file or folder of the data that lies beside the repository (or where `SKIPGRID_SHARED` says), if it is there.
 pub fn shared(name: &str) -> Option<std::path::PathBuf> {

@@ -110,6 +110,7 @@ fn skip_methods_answer_exactly() {
         check(&format!("grid-{name}:density=20,distances=log2"));
     }
     check("grid:density=20,step=branchless");
+    check("grid:density=20,step=integer");
 }
 
 #[cfg(feature = "obvhs")]

@@ -21,6 +21,7 @@ use super::{Method, SkipOptions};
 use crate::grid::occupancy::Occupancy;
 use crate::grid::parallel;
 use crate::grid::walk::Walk;
+use crate::ray::lesser;
 
 /// City-block distance, limited to the lanes' half width, and the extents E towards each face: seven bytes, in a slot of eight.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +69,7 @@ impl Method for DualExtents {
         let sum = corner(walk);
         let ahead = ray.all.end(slot.distance(ray.field), sum);
         let beside = ray.sides.end(slot.distance(0), sum - coordinate(walk, ray.axis));
-        ahead.min(beside)
+        lesser(ahead, beside)
     }
 }
 
@@ -79,7 +80,7 @@ impl PrintedRule for DualExtents {
         let ahead = (f64::from(slot.distance(ray.field)) - 1.0) * ray.all.inverse();
         let beside = f64::from(slot.distance(0)) - 1.0;
         let moves_aside = ray.sides.inverse() > 0.0;
-        walk.t + if moves_aside { ahead.min(beside * ray.sides.inverse()) } else { ahead }
+        walk.t + if moves_aside { lesser(ahead, beside * ray.sides.inverse()) } else { ahead }
     }
 }
 

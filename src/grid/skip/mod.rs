@@ -23,6 +23,8 @@ pub(super) mod printed;
 mod region;
 mod slot;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use chessboard::Chessboard;
 pub use clouds::ProximityClouds;

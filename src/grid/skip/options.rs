@@ -28,7 +28,7 @@ pub struct SkipOptions {
 
 impl Default for SkipOptions {
     fn default() -> Self {
-        Self { distances: Distances::Linear, threshold: 2, lane: 16 }
+        Self { distances: Distances::Linear, threshold: 1, lane: 16 }
     }
 }
 

@@ -92,7 +92,7 @@ impl<G: Geometry, M: PrintedRule> Accel for PrintedLanding<G, M> {
 }
 
 /// A table looked at through the printed rule.
-struct Printed<'a, M: Method>(&'a Table<M>);
+pub(super) struct Printed<'a, M: Method>(pub &'a Table<M>);
 
 impl<M: PrintedRule> Skip<Walk> for Printed<'_, M> {
     type Ray = M::Ray;

@@ -1,6 +1,7 @@
 //! Where a ray leaves a city-block ball.
 
 use crate::grid::walk::Walk;
+use crate::ray::lesser;
 
 /// The plane form of the safe length, for some of the axes.
 ///
@@ -67,5 +68,5 @@ pub fn corner(walk: &Walk) -> f64 {
 pub fn box_end(walk: &Walk, distance: u32) -> f64 {
     let beyond = f64::from(distance) - 1.0;
     let end = |axis: usize| (walk.plane[axis] + beyond - walk.origin[axis]) * walk.inverse[axis];
-    end(0).min(end(1)).min(end(2))
+    lesser(lesser(end(0), end(1)), end(2))
 }

@@ -122,6 +122,7 @@ pub(super) struct Procedural {
     pub n: Option<u64>,
     pub depth: Option<u64>,
     pub seed: Option<u64>,
+    pub sides: Option<u64>,
     #[serde(default)]
     pub materials: Vec<Spanned<String>>,
     pub scale: Option<Scale>,

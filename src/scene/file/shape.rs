@@ -119,7 +119,7 @@ impl Reader<'_> {
         let p = procedural.into_inner();
         let (transform, scale) =
             self.placement(at, Place { scale: p.scale, rotate: p.rotate, translate: p.translate })?;
-        let options = Options { n: p.n, depth: p.depth, seed: p.seed };
+        let options = Options { n: p.n, depth: p.depth, seed: p.seed, sides: p.sides };
         let body = procedural::body(&p.kind, &options).map_err(|e| self.fail(at, format!("procedural: {e}")))?;
         let mut materials = Vec::new();
         for name in &p.materials {

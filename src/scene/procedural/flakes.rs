@@ -31,9 +31,12 @@ const CHILDREN: [[f64; 3]; 9] = [
     [0.707107, -0.707107, 0.0],
 ];
 
-/// The first sphere has radius 0.5 about the origin and points to +z.
 fn body(options: &Options) -> Result<Body> {
-    let depth = options.depth(4, 0..=7)?;
+    Ok(Body { meshes: Vec::new(), spheres: spheres(options.depth(4, 0..=7)?) })
+}
+
+/// `depth` levels below the sphere of radius 0.5 about the origin, which points to +z; with their levels.
+pub(super) fn spheres(depth: u32) -> Vec<(Sphere, u32)> {
     let mut level = vec![(DVec3::ZERO, 0.5, DVec3::Z)];
     let mut spheres = Vec::new();
     for slot in 0..=depth {
@@ -43,7 +46,7 @@ fn body(options: &Options) -> Result<Body> {
             level = level.iter().flat_map(|&parent| children(parent)).collect();
         }
     }
-    Ok(Body { meshes: Vec::new(), spheres })
+    spheres
 }
 
 /// Children touch their parent: a third of its radius, 4/3 of it away.
@@ -61,20 +64,24 @@ fn children((centre, radius, direction): (DVec3, f64, DVec3)) -> impl Iterator<I
     })
 }
 
-fn stage(_: &Options) -> Stage {
+/// The square of side 24 that the first sphere touches.
+pub(super) fn floor() -> Mesh {
     let corner = |x: f32, y: f32| Vec3::new(x, y, -0.5);
-    let floor = Mesh {
+    Mesh {
         name: "floor".into(),
         positions: vec![corner(-12.0, -12.0), corner(12.0, -12.0), corner(12.0, 12.0), corner(-12.0, 12.0)],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
-    };
+    }
+}
+
+fn stage(_: &Options) -> Stage {
     // The original's lights do not weaken with distance; these give about as much at theirs.
     let lights = [[4.0, 3.0, 2.0], [1.0, -4.0, 4.0], [-3.0, 1.0, 5.0]];
     let light = |p| Light::Point { position: DVec3::from_array(p), intensity: Vec3::splat(16.0) };
     Stage {
         palette: vec![lambert("ball", 0.5, 0.45, 0.35), mirror("polished ball", 0.7)],
-        props: vec![(floor, lambert("floor", 0.8, 0.6, 0.264))],
+        props: vec![(floor(), lambert("floor", 0.8, 0.6, 0.264))],
         lights: lights.map(light).to_vec(),
         environment: Vec3::new(0.078, 0.361, 0.753),
         camera: look([2.1, 1.3, 1.7], [0.0; 3], DVec3::Z, 45.0),

@@ -9,6 +9,7 @@ mod knot;
 mod lanes;
 mod patch;
 mod random;
+pub mod spd;
 mod teapot;
 mod teapot_stadium;
 
@@ -49,6 +50,17 @@ pub const ENTRIES: &[Entry] = &[
     knot::ENTRY,
     bumpy::ENTRY,
     cubes::ENTRY,
+    spd::balls::ENTRY,
+    spd::gears::ENTRY,
+    spd::jacks::ENTRY,
+    spd::lattice::ENTRY,
+    spd::mount::ENTRY,
+    spd::rings::ENTRY,
+    spd::shells::ENTRY,
+    spd::sombrero::ENTRY,
+    spd::teapot::ENTRY,
+    spd::tetra::ENTRY,
+    spd::tree::ENTRY,
 ];
 
 /// Options of a procedural scene; `None`: the entry's default.
@@ -60,6 +72,8 @@ pub struct Options {
     pub depth: Option<u64>,
     /// Seed of the random numbers.
     pub seed: Option<u64>,
+    /// Sides of each cone and cylinder.
+    pub sides: Option<u64>,
 }
 
 impl Options {
@@ -75,12 +89,13 @@ impl Options {
         match key {
             "n" => self.n = Some(value),
             "depth" => self.depth = Some(value),
+            "sides" => self.sides = Some(value),
             _ => self.seed = Some(value),
         }
     }
 
     fn given(&self) -> impl Iterator<Item = &'static str> {
-        let all = [("n", self.n), ("depth", self.depth), ("seed", self.seed)];
+        let all = [("n", self.n), ("depth", self.depth), ("seed", self.seed), ("sides", self.sides)];
         all.into_iter().filter_map(|(key, value)| value.map(|_| key))
     }
 }
@@ -319,7 +334,7 @@ mod tests {
 
     #[test]
     fn closed_bodies_are_closed_and_turned_outwards() {
-        for spec in ["knot:n=64", "bumpy:n=24", "cubes:n=3", "cars:n=2"] {
+        for spec in ["knot:n=64", "bumpy:n=24", "cubes:n=3", "cars:n=2", "spd-gears:n=3", "spd-tetra:n=1"] {
             let body = {
                 let (name, _) = spec.split_once(':').expect("an option");
                 let n = spec.rsplit('=').next().and_then(|n| n.parse().ok());
