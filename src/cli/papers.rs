@@ -73,7 +73,7 @@ struct Spd {
     #[arg(long = "accel", value_name = "A")]
     accels: Vec<String>,
 
-    /// Scene, a file or one made by formula; give it once for each (all whose name starts with `spd-`)
+    /// Scene, a file or one made by formula; give it once for each (all of SPD)
     #[arg(long = "scene", value_name = "S")]
     scenes: Vec<String>,
 

@@ -10,7 +10,8 @@ use crate::error::{Error, Result};
 use crate::measure::Machine;
 use crate::measure::rounds::build;
 use crate::registry::with_default;
-use crate::scene::{LoadOptions, Scene, load, procedural};
+use crate::scene::procedural::spd::{Published, SCENES, eye_rays};
+use crate::scene::{LoadOptions, Scene, load};
 
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +24,7 @@ pub struct Options {
     pub density: f64,
     /// Accelerators; the plain grid is added in front.
     pub accels: Vec<String>,
-    /// Scenes; empty: all procedural ones whose name starts with `spd-`.
+    /// Scenes; empty: all of [`SCENES`].
     pub scenes: Vec<String>,
     /// Most seconds that the plain grid may take for the rays of a picture; slower scenes are traced with fewer rays.
     pub patience: f64,
@@ -49,6 +50,8 @@ struct Measured {
     /// Rays of the picture, and those traced.
     rays: [u64; 2],
     entries: Vec<Entry>,
+    /// If it is one of SPD's: what is published, and the eye hits counted here.
+    published: Option<(&'static Published, u64)>,
 }
 
 const KINDS: [Origin; 3] = [Origin::Primary, Origin::Shadow, Origin::Secondary];
@@ -86,7 +89,7 @@ impl Entry {
 /// not above 0.
 pub fn run(options: &Options, watch: &Watch) -> Result<Report> {
     let scenes: Vec<String> = if options.scenes.is_empty() {
-        procedural::ENTRIES.iter().filter(|e| e.name.starts_with("spd-")).map(|e| e.name.to_string()).collect()
+        SCENES.iter().map(|scene| scene.name.to_string()).collect()
     } else {
         options.scenes.clone()
     };
@@ -127,13 +130,18 @@ fn measure(spec: &str, specs: &[String], options: &Options) -> Result<Measured> 
         memory,
         costs: [0, 1, 2].map(|k| by_kind[k][i]),
     };
-    let entries = built.into_iter().enumerate().map(entry).collect();
-    Ok(Measured {
-        scene: spec.to_string(),
-        primitives: primitives(&scene),
-        rays: [asked.len() as u64, some.len() as u64],
-        entries,
-    })
+    let entries: Vec<Entry> = built.into_iter().enumerate().map(entry).collect();
+    let published = SCENES.iter().find(|scene| scene.name == spec);
+    let published = published.map(|published| (published, eye_hits(&scene, &accels, &entries)));
+    let rays = [asked.len() as u64, some.len() as u64];
+    Ok(Measured { scene: spec.to_string(), primitives: primitives(&scene), rays, entries, published })
+}
+
+/// Those of SPD's eye rays that hit something, by the fastest accelerator: all agree.
+fn eye_hits(scene: &Scene, accels: &[&dyn Accel], entries: &[Entry]) -> u64 {
+    let fastest = entries.iter().zip(accels).min_by(|a, b| a.0.nanoseconds().total_cmp(&b.0.nanoseconds()));
+    let Some((_, accel)) = fastest else { return 0 };
+    eye_rays(&scene.camera).iter().filter(|ray| accel.any_hit(ray)).count() as u64
 }
 
 fn primitives(scene: &Scene) -> u32 {
@@ -163,8 +171,8 @@ fn report(options: &Options, measured: &[Measured]) -> Report {
              thread through every accelerator: median of interleaved rounds. ns/ray is the mean over all of them; ratio is \
              the plain grid's over the accelerator's."
                 .to_string(),
-            "build ms is on all cores. bytes are those beside the primitives. Primitives are ours: cones, cylinders and \
-             patches are triangles."
+            "build ms is on all cores. bytes are those beside the primitives. Cones, cylinders and patches are triangles \
+             here."
                 .to_string(),
             format!(
                 "Where the plain grid would take more than {} s for the rays of the picture, only so many of them are \
@@ -176,7 +184,7 @@ fn report(options: &Options, measured: &[Measured]) -> Report {
                 .to_string(),
         ],
         claims: Vec::new(),
-        tables: vec![winners(measured), table(measured)],
+        tables: vec![winners(measured), scenes(measured), table(measured)],
         plot: plot(measured),
         wrong: measured.iter().flat_map(|m| &m.entries).map(Entry::wrong).sum(),
     }
@@ -203,6 +211,35 @@ fn winners(measured: &[Measured]) -> Table {
             bvh.into(),
             bvh_ratio.into(),
             (grid_ratio / bvh_ratio).into(),
+        ];
+        table.row(cells);
+    }
+    table
+}
+
+/// What is published of the scenes beside what they are here.
+fn scenes(measured: &[Measured]) -> Table {
+    let mut table = Table::new(
+        "scenes",
+        "The scenes: primitives, and which of SPD's 513 x 513 eye rays hit something",
+        &[
+            "<scene",
+            "primitives",
+            "primitives of SPD",
+            "eye hits",
+            "eye hits of SPD",
+            "eye hits of Havran & Sixta 1999",
+        ],
+    );
+    for (m, (published, hits)) in measured.iter().filter_map(|m| Some((m, m.published?))) {
+        let known = |hits: Option<u32>| Cell::Real(hits.map_or(f64::NAN, f64::from));
+        let cells: [Cell; 6] = [
+            m.scene.as_str().into(),
+            m.primitives.into(),
+            published.primitives.into(),
+            hits.into(),
+            known(published.hits_haines),
+            known(published.hits_havran),
         ];
         table.row(cells);
     }

@@ -123,8 +123,8 @@ impl Study {
                 study.brute = Some(brute(&scene, &pictures[0], options)?);
             }
         }
-        let printed = PRINTED.into_iter().filter(|m| study.method(m).is_some());
-        let boxes = landing::on_boxes(&printed.collect::<Vec<_>>(), options.size)?;
+        let printed: Vec<&str> = PRINTED.into_iter().filter(|m| study.method(m).is_some()).collect();
+        let boxes = landing::on_boxes(&printed, options.size)?;
         study.landings.extend(boxes);
         Ok(study)
     }
@@ -148,8 +148,8 @@ impl Study {
         for asked in pictures {
             self.runs.extend(costs(asked, &accels, options.rounds));
         }
-        let printed = PRINTED.iter().filter(|m| self.method(m).is_some());
-        for method in printed.map(|m| format!("{m}:landing=paper")) {
+        for method in PRINTED.into_iter().filter(|m| self.methods.iter().any(|own| own == m)) {
+            let method = format!("{method}:landing=paper");
             let accel = scene.accel(&at(&method, self.grids[g]))?;
             let (mut rays, mut wrong) = (0, 0);
             for asked in pictures {
