@@ -32,6 +32,9 @@ const COUNT: u32 = 48;
 /// Shares of voxels that are filled.
 const SHARES: [f64; 2] = [0.001, 0.01];
 
+/// Boxes are drawn in so that they lie in no other voxel: by more than bounds and voxels are padded.
+const GAP: f32 = 0.1;
+
 /// Boxes in randomly chosen voxels; `size` squared rays from random points in random directions. Each method with the
 /// paper's threshold for leaping and without one.
 ///
@@ -63,19 +66,19 @@ fn boxes(share: f64, random: &mut Random) -> Result<Scene> {
     let all = (COUNT as usize).pow(3);
     let mut mesh = Mesh { name: "boxes".into(), ..Mesh::default() };
     for voxel in 0..all {
-        if voxel == 0 || voxel == all - 1 || random.unit() < share {
-            add_box(&mut mesh, voxel as u32);
+        let corner = voxel == 0 || voxel == all - 1;
+        if corner || random.unit() < share {
+            add_box(&mut mesh, voxel as u32, if corner { 0.0 } else { GAP });
         }
     }
     Scene::new(SceneParts { name: "boxes".into(), meshes: vec![mesh], ..SceneParts::default() })
 }
 
-/// The box of a voxel, drawn in a little so that it lies in no other one.
-fn add_box(mesh: &mut Mesh, voxel: u32) {
-    const GAP: f32 = 0.005;
+/// The box of a voxel, drawn in by `gap` on all sides.
+fn add_box(mesh: &mut Mesh, voxel: u32, gap: f32) {
     let least = Vec3::new((voxel % COUNT) as f32, (voxel / COUNT % COUNT) as f32, (voxel / COUNT / COUNT) as f32);
     let first = mesh.positions.len() as u32;
-    let side = |bit: u32| if bit == 0 { GAP } else { 1.0 - GAP };
+    let side = |bit: u32| if bit == 0 { gap } else { 1.0 - gap };
     mesh.positions.extend((0..8).map(|i| least + Vec3::new(side(i & 1), side(i >> 1 & 1), side(i >> 2))));
     for [a, b, c, d] in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
         mesh.triangles.extend([[a, b, c], [a, c, d]].map(|t| t.map(|i| first + i)));
@@ -86,4 +89,19 @@ fn ray(random: &mut Random) -> Ray {
     let mut along = || random.within(0.0, f64::from(COUNT));
     let origin = DVec3::new(along(), along(), along());
     Ray::new(origin.as_vec3(), random.direction().as_vec3())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_box_lies_in_one_voxel() {
+        let scene = boxes(0.001, &mut Random::new(1)).expect("a valid scene");
+        let accel = scene.accel("grid:resolution=48").expect("builds");
+        let triangles = u64::from(scene.triangle_count());
+        // Four bytes for each triangle in each voxel; the two boxes in the corners touch their neighbours.
+        assert!(triangles > 12 * 60, "{triangles}");
+        assert!(accel.memory().references / 4 <= triangles + 2 * 12 * 7, "{:?}", accel.memory());
+    }
 }
