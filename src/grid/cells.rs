@@ -26,6 +26,11 @@ impl Cells {
         &self.prims[self.start[voxel] as usize..self.start[voxel + 1] as usize]
     }
 
+    /// Number of references before a voxel's.
+    pub fn begin(&self, voxel: usize) -> u64 {
+        u64::from(self.start[voxel])
+    }
+
     /// Number of voxels.
     pub fn voxels(&self) -> usize {
         self.start.len() - 1

@@ -34,7 +34,7 @@ pub use walk_integer::IntegerWalk;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
-use crate::ray::{Aabb, Ray, greater};
+use crate::ray::{Aabb, Ray};
 use frame::Frame;
 use mailbox::Mailbox;
 use skip::{Look, NoSkip, Skip, Voxels};
@@ -144,15 +144,13 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
                     }
                 }
                 Look::Empty(safe_until) => {
-                    // A step is the shortest leap; to tell them apart would be a branch that no predictor gets right.
-                    let exit = walk.exit();
-                    if safe_until > exit {
+                    if safe_until > walk.exit() {
                         probe.leap();
+                        if !walk.leap(safe_until) {
+                            return best;
+                        }
+                        continue;
                     }
-                    if !walk.leap(greater(safe_until, exit)) {
-                        return best;
-                    }
-                    continue;
                 }
             }
             if !walk.step() {

@@ -19,15 +19,4 @@ impl Occupancy {
     pub(super) fn len(&self) -> usize {
         self.filled.len()
     }
-
-    /// The voxel beside `voxel` across `face` (0 to 5: +x, -x, +y, -y, +z, -z), or `None` beyond the grid.
-    pub(super) fn neighbour(&self, voxel: usize, face: usize) -> Option<usize> {
-        let (axis, stride) = (face / 2, self.stride(face / 2));
-        let at = voxel / stride % self.resolution[axis];
-        if face & 1 == 0 {
-            (at + 1 < self.resolution[axis]).then(|| voxel + stride)
-        } else {
-            (at > 0).then(|| voxel - stride)
-        }
-    }
 }

@@ -63,9 +63,9 @@ impl Walk {
             return false;
         }
         let mut inside = false;
-        for axis in 0..3 {
-            let on = u32::from(mask[axis]);
-            inside |= mask[axis] && self.left[axis] > 0;
+        for (axis, on) in mask.into_iter().enumerate() {
+            inside |= on && self.left[axis] > 0;
+            let on = u32::from(on);
             // Wraps only where the walk ends.
             self.left[axis] = self.left[axis].wrapping_sub(on);
             self.voxel = self.voxel.wrapping_add_signed(self.stride[axis] * on as isize);

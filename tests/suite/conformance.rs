@@ -13,7 +13,7 @@ fn specs() -> Vec<String> {
     specs.push("grid:step=branchless".into());
     specs.push("grid:step=integer,resolution=64".into());
     for name in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
-        for options in ["resolution=64", "density=30,distances=log2,threshold=1", "resolution=1x40x1,distances=half"] {
+        for options in ["density=30,distances=log2", "resolution=1x40x1,distances=half,threshold=3"] {
             specs.push(format!("grid-{name}:{options}"));
         }
     }

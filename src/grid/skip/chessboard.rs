@@ -22,7 +22,8 @@ impl Method for Chessboard {
     const PEAK: u64 = 9;
 
     fn distances(occupancy: &Occupancy, _options: &SkipOptions) -> Vec<Vec<u8>> {
-        vec![least(&chebyshev_octants(occupancy))]
+        let octants = chebyshev_octants(occupancy);
+        vec![least(&octants.iter().map(Vec::as_slice).collect::<Vec<_>>())]
     }
 
     #[inline(always)]

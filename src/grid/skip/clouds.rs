@@ -7,7 +7,7 @@
 //!
 //! Departs from both: the leap ends on the plane where the ray leaves that ball ([`Diamond`]) instead of D - 1 units on,
 //! which is right on paper in two dimensions from a voxel's centre only; and it is taken wherever it passes the next
-//! crossing, not from D = 5 on. The two mask passes of the distance transform are six sweeps ([`city_block`]).
+//! crossing, not from D = 5 on. The two mask passes of the distance transform are six sweeps (`distance.rs`).
 
 use super::distance::city_block;
 use super::printed::PrintedRule;

@@ -47,11 +47,11 @@ pub(super) fn chebyshev_octants(occupancy: &Occupancy) -> Vec<Vec<u8>> {
     parallel::map(0..8, |octant| chebyshev_octant(occupancy, octant))
 }
 
-/// Distance plane `planes[0]` and others, the least of them in each voxel.
-pub(super) fn least(planes: &[Vec<u8>]) -> Vec<u8> {
-    let mut least = planes[0].clone();
+/// The least of some planes in each voxel.
+pub(super) fn least(planes: &[&[u8]]) -> Vec<u8> {
+    let mut least = planes[0].to_vec();
     for plane in &planes[1..] {
-        least.iter_mut().zip(plane).for_each(|(l, &p)| *l = (*l).min(p));
+        least.iter_mut().zip(*plane).for_each(|(l, &p)| *l = (*l).min(p));
     }
     least
 }

@@ -16,7 +16,7 @@
 //!
 //! Departs from the paper: the landing, as for [`super::ProximityClouds`]. D - 1 is wrong for up to 10 % of the rays.
 
-use super::distance::{FAR, city_block_octants};
+use super::distance::{FAR, city_block_octants, least};
 use super::printed::PrintedRule;
 use super::region::{Diamond, corner};
 use super::slot::{Eight, Slot};
@@ -70,10 +70,16 @@ pub(super) fn next_face(walk: &Walk) -> usize {
 /// D_f of every voxel.
 fn beyond_face(occupancy: &Occupancy, octants: &[Vec<u8>], face: usize) -> Vec<u8> {
     let (axis, lesser) = (face / 2, face % 2);
-    let four: Vec<&Vec<u8>> =
-        (0..8).filter(|octant| octant >> axis & 1 == lesser).map(|octant| &octants[octant]).collect();
-    let least: Vec<u8> = (0..occupancy.len()).map(|v| four.iter().map(|plane| plane[v]).min().unwrap_or(FAR)).collect();
-    (0..occupancy.len())
-        .map(|v| occupancy.neighbour(v, face).map_or(FAR, |beside| least[beside].saturating_add(1)))
-        .collect()
+    let four: Vec<&[u8]> = (0..8).filter(|o| o >> axis & 1 == lesser).map(|o| octants[o].as_slice()).collect();
+    let least = least(&four);
+    let mut beyond = vec![FAR; least.len()];
+    // Along the axis, each voxel takes its neighbour's value; the last one has none.
+    let stride = occupancy.stride(axis);
+    let line = stride * occupancy.resolution[axis];
+    for (to, from) in beyond.chunks_mut(line).zip(least.chunks(line)) {
+        let (to, from) =
+            if lesser == 0 { (&mut to[..line - stride], &from[stride..]) } else { (&mut to[stride..], from) };
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = from.saturating_add(1));
+    }
+    beyond
 }

@@ -2,7 +2,7 @@
 //!
 //! A method keeps a few small integers for each empty voxel: distances to filled ones. They describe a region around the
 //! voxel in which every voxel is empty, and [`Method::safe_until`] gives the parameter at which the ray leaves that region.
-//! The walk goes there at once ([`super::walk::VoxelWalk::leap`]). One promise, one test for all methods: from the voxel
+//! The walk goes there at once. One promise, one test for all methods: from the voxel
 //! where the ray is up to that parameter it meets empty voxels only.
 //!
 //! The sources land elsewhere: they carry the ray D - 1 city-block units forwards from where it is, and only if D is at least
@@ -10,17 +10,17 @@
 //! voxel along each axis reaches voxels up to floor(f_x + S_x) + floor(f_y + S_y) + floor(f_z + S_z) away after a city-block
 //! length S, so the safe length is D - (f_x + f_y + f_z). [`region::Diamond`] has the form of it that needs no position.
 
-mod chessboard;
-mod clouds;
+pub mod chessboard;
+pub mod clouds;
 mod distance;
-mod dsz;
-mod dsz24;
-mod dual;
+pub mod dsz;
+pub mod dsz24;
+pub mod dual;
 mod none;
-mod octant;
+pub mod octant;
 mod options;
-pub(super) mod printed;
-mod region;
+pub mod printed;
+pub mod region;
 mod slot;
 mod table;
 #[cfg(test)]

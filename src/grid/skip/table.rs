@@ -5,6 +5,7 @@ use crate::accel::Memory;
 use crate::error::{Error, Result};
 use crate::grid::cells::Cells;
 use crate::grid::occupancy::Occupancy;
+use crate::grid::parallel;
 use crate::grid::walk::Walk;
 use std::marker::PhantomData;
 
@@ -18,11 +19,32 @@ pub struct Table<M: Method, T: Slot = <M as Method>::Slot> {
     /// Lists one after the other: the number of references, then these.
     lists: Vec<u32>,
     filled: u64,
-    /// Sum of all distances, number of distances, the greatest one.
+    total: Total,
+    method: PhantomData<M>,
+}
+
+/// All distances of a table, for people.
+#[derive(Clone, Copy, Debug, Default)]
+struct Total {
     sum: u64,
     count: u64,
     longest: u32,
-    method: PhantomData<M>,
+}
+
+impl Total {
+    fn add<T: Slot>(&mut self, slot: T, fields: usize) {
+        for field in 0..fields {
+            let distance = slot.distance(field);
+            self.sum += u64::from(distance);
+            self.longest = self.longest.max(distance);
+        }
+        self.count += fields as u64;
+    }
+
+    fn and(self, other: Self) -> Self {
+        let longest = self.longest.max(other.longest);
+        Self { sum: self.sum + other.sum, count: self.count + other.count, longest }
+    }
 }
 
 impl<M: Method, T: Slot> Table<M, T> {
@@ -44,35 +66,47 @@ impl<M: Method, T: Slot> Table<M, T> {
         let occupancy = Occupancy { resolution: resolution.map(|n| n as usize), filled: cells.flags() };
         // A grid without an empty voxel needs no distance.
         let planes = if planes == 0 { Vec::new() } else { M::distances(&occupancy, options) };
-        let mut table = Self {
-            slots: Vec::with_capacity(voxels as usize),
-            lists: Vec::with_capacity(places as usize),
-            filled,
-            sum: 0,
-            count: 0,
-            longest: 0,
-            method: PhantomData,
-        };
-        let mut distances = vec![0_u8; planes.len()];
-        for (voxel, &filled) in occupancy.filled.iter().enumerate() {
-            if filled {
-                table.slots.push(T::filled(table.lists.len() as u64));
-                let list = cells.list(voxel);
-                table.lists.push(list.len() as u32);
-                table.lists.extend_from_slice(list);
-            } else {
-                distances.iter_mut().zip(&planes).for_each(|(d, plane)| *d = options.stored(plane[voxel]));
-                let slot = T::empty(&distances);
-                for field in 0..distances.len() {
-                    let distance = slot.distance(field);
-                    table.sum += u64::from(distance);
-                    table.longest = table.longest.max(distance);
-                }
-                table.count += distances.len() as u64;
-                table.slots.push(slot);
-            }
+        let mut lists = Vec::with_capacity(places as usize);
+        for voxel in (0..occupancy.len()).filter(|&v| occupancy.filled[v]) {
+            let list = cells.list(voxel);
+            lists.push(list.len() as u32);
+            lists.extend_from_slice(list);
         }
-        Ok(table)
+        // Chunks of voxels, each with the number of filled voxels before it: the place of a list is the number of references
+        // and of lists before it.
+        const CHUNK: usize = 1 << 16;
+        let mut slots = vec![T::filled(0); occupancy.len()];
+        let mut filled_before = 0_u64;
+        let chunks: Vec<_> = slots
+            .chunks_mut(CHUNK)
+            .enumerate()
+            .map(|(chunk, slots)| {
+                let begin = filled_before;
+                let flags = &occupancy.filled[chunk * CHUNK..][..slots.len()];
+                filled_before += flags.iter().filter(|&&filled| filled).count() as u64;
+                (chunk * CHUNK, begin, slots)
+            })
+            .collect();
+        let stored: Vec<u8> = (0..=u8::MAX).map(|d| options.stored(d)).collect();
+        let totals = parallel::map(chunks, |(first, mut filled_before, slots)| {
+            let mut total = Total::default();
+            let mut distances = [0; 8];
+            for (voxel, slot) in (first..).zip(slots) {
+                if occupancy.filled[voxel] {
+                    *slot = T::filled(cells.begin(voxel) + filled_before);
+                    filled_before += 1;
+                } else {
+                    for (distance, plane) in distances.iter_mut().zip(&planes) {
+                        *distance = stored[usize::from(plane[voxel])];
+                    }
+                    *slot = T::empty(&distances[..planes.len()]);
+                    total.add(*slot, planes.len());
+                }
+            }
+            total
+        });
+        let total = totals.into_iter().fold(Total::default(), Total::and);
+        Ok(Self { slots, lists, filled, total, method: PhantomData })
     }
 
     /// The primitives of the list at `place`.
@@ -118,15 +152,15 @@ impl<M: Method, T: Slot> Voxels for Table<M, T> {
     }
 
     fn describe(&self) -> String {
-        if self.count == 0 {
+        if self.total.count == 0 {
             return format!("{} left out: no voxel is empty", M::NAME);
         }
         format!(
             "{}: {} bytes a voxel, distances {:.1} on average, {} at most",
             M::NAME,
             size_of::<T>(),
-            self.sum as f64 / self.count as f64,
-            self.longest
+            self.total.sum as f64 / self.total.count as f64,
+            self.total.longest
         )
     }
 }

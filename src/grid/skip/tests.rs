@@ -66,6 +66,13 @@ fn nearest(distances: impl Iterator<Item = i32>) -> u8 {
     distances.min().map_or(u8::MAX, |d| d.min(255) as u8)
 }
 
+/// The voxel beside `voxel` across `face`, or `None` beyond the grid.
+fn neighbour(o: &Occupancy, voxel: usize, face: usize) -> Option<usize> {
+    let (axis, stride) = (face / 2, o.stride(face / 2));
+    let at = voxel / stride % o.resolution[axis];
+    if face & 1 == 0 { (at + 1 < o.resolution[axis]).then(|| voxel + stride) } else { (at > 0).then(|| voxel - stride) }
+}
+
 fn l1(d: [i32; 3]) -> i32 {
     d.iter().map(|x| x.abs()).sum()
 }
@@ -76,7 +83,7 @@ fn within(d: [i32; 3], octant: usize) -> bool {
 
 /// How far `d` is ahead across `face`.
 fn ahead(d: [i32; 3], face: usize) -> i32 {
-    if face % 2 == 0 { d[face / 2] } else { -d[face / 2] }
+    if face & 1 == 0 { d[face / 2] } else { -d[face / 2] }
 }
 
 #[test]
@@ -143,7 +150,7 @@ fn methods_relate_as_the_sources_say() {
                 let four = (0..8).filter(|octant| octant >> (face / 2) & 1 == face % 2);
                 let mut least = u8::MAX;
                 for octant in four {
-                    let beside = o.neighbour(v, face);
+                    let beside = neighbour(&o, v, face);
                     let value = beside.map_or(u8::MAX, |beside| octants[octant][beside].saturating_add(1));
                     let beyond = offsets(&o, v).filter(|&d| within(d, octant) && ahead(d, face) > 0);
                     assert_eq!(value, nearest(beyond.map(l1)), "face {face}, octant {octant}");
@@ -163,7 +170,7 @@ fn two_masks(o: &Occupancy) -> Vec<u8> {
     for faces in [[1, 3, 5], [0, 2, 4]] {
         let mut pass = |v: usize| {
             for face in faces {
-                if let Some(beside) = o.neighbour(v, face) {
+                if let Some(beside) = neighbour(o, v, face) {
                     d[v] = d[v].min(d[beside].saturating_add(1));
                 }
             }
@@ -213,10 +220,8 @@ fn visited<S: Skip<Walk>>(voxels: &S, frame: &Frame, ray: &Ray) -> (Vec<usize>, 
                 }
                 walk.step()
             }
-            Look::Empty(safe_until) => {
-                let t = safe_until.max(walk.exit());
-                walk.leap(t)
-            }
+            Look::Empty(safe_until) if safe_until > walk.exit() => walk.leap(safe_until),
+            Look::Empty(_) => walk.step(),
         };
         if !goes_on {
             return (filled, looks);
@@ -255,11 +260,11 @@ fn frame(o: &Occupancy) -> Frame {
 fn rays(random: &mut Random, o: &Occupancy, count: usize) -> Vec<Ray> {
     let size = Vec3::from(o.resolution.map(|n| n as f32));
     let mut ray = || {
-        let origin = size * (0.5 + random.in_cube() * if random.next() % 2 == 0 { 0.5 } else { 3.0 });
+        let origin = size * (0.5 + random.in_cube() * if random.unit() < 0.5 { 0.5 } else { 3.0 });
         let target = size * (0.5 + random.in_cube() * 0.5);
         // Some nearly along an axis, where lanes are long.
         let mut direction = target - origin;
-        if random.next() % 3 == 0 {
+        if random.unit() < 0.3 {
             direction[random.next() as usize % 3] *= 50.0;
         }
         Ray::new(origin, direction)
