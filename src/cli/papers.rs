@@ -6,7 +6,7 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, registered, semwal_kvarnstrom, spd};
+use crate::papers::{Report, amanatides_woo, semwal_kvarnstrom, spd};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -194,7 +194,7 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
     };
     let methods = &semwal_kvarnstrom::METHODS;
     let accels = |given: &[String], more: &[&str]| match given {
-        [] => registered(&[methods, more].concat()),
+        [] => methods.iter().chain(more).map(|name| name.to_string()).collect(),
         _ => given.to_vec(),
     };
     let report = match paper {

@@ -15,12 +15,3 @@ pub use report::{Cell, Claim, Report, Table, Verdict};
 
 /// Called before each stage: stages done, stages in all, and what comes next in a few words.
 pub type Watch<'a> = dyn Fn(usize, usize, &str) + 'a;
-
-/// Those of `accels` that the registry has.
-pub fn registered(accels: &[&str]) -> Vec<String> {
-    let known = |accel: &str| {
-        let name = accel.split(':').next().unwrap_or(accel);
-        crate::registry::ENTRIES.iter().any(|entry| entry.name == name)
-    };
-    accels.iter().filter(|accel| known(accel)).map(|accel| accel.to_string()).collect()
-}

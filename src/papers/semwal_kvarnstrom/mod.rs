@@ -87,7 +87,6 @@ fn report(options: &Options, study: &Study) -> Report {
     for setting in SETTINGS.iter().filter(|s| study.scenes.contains(&s.name)) {
         notes.push(format!("{}: {}.", setting.name, setting.words));
     }
-    notes.extend(study.notes.iter().cloned());
     let grids: Vec<String> = study.grids.iter().map(u32::to_string).collect();
     Report {
         paper: "semwal-kvarnstrom",

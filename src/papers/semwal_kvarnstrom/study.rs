@@ -47,8 +47,6 @@ pub struct Study {
     pub full: Vec<Full>,
     /// Every object for every ray, on Random.
     pub brute: Option<Brute>,
-    /// What was left out, one sentence each.
-    pub notes: Vec<String>,
 }
 
 /// Cost of building.
