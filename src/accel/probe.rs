@@ -2,6 +2,9 @@
 
 /// Watches a walk. Every method is empty by default; `()` watches nothing and costs nothing.
 pub trait Probe {
+    /// Whether any method does anything. Watched walks need not be fast: they are compiled once for both queries.
+    const WATCHES: bool = true;
+
     /// A voxel or node was entered.
     #[inline(always)]
     fn step(&mut self) {}
@@ -15,7 +18,9 @@ pub trait Probe {
     fn test(&mut self) {}
 }
 
-impl Probe for () {}
+impl Probe for () {
+    const WATCHES: bool = false;
+}
 
 /// Work done for a number of rays; independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

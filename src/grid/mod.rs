@@ -100,7 +100,7 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
         let best = match W::start(&self.frame, &ray) {
             Start::Miss => return None,
             Start::TooFar => scan_all(&self.geometry, &ray, probe),
-            Start::Inside(walk) => self.trace::<false, T, P>(voxels, &ray, walk, probe),
+            Start::Inside(walk) => self.trace_either(false, voxels, &ray, walk, probe),
         };
         best.prim().map(|prim| Hit { t: self.geometry.round(&ray, &best), prim })
     }
@@ -111,13 +111,28 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
         match W::start(&self.frame, &ray) {
             Start::Miss => false,
             Start::TooFar => scan_any(&self.geometry, &ray, probe),
-            Start::Inside(walk) => self.trace::<true, T, P>(voxels, &ray, walk, probe).is_hit(),
+            Start::Inside(walk) => self.trace_either(true, voxels, &ray, walk, probe).is_hit(),
         }
     }
 
-    /// From list to list until the winner, or the first hit if `ANY`, is certain.
+    /// [`Grid::trace`], compiled for each query on its own where nobody watches.
     #[inline(always)]
-    fn trace<const ANY: bool, T: Skip<W>, P: Probe>(&self, voxels: &T, ray: &Ray, mut walk: W, probe: &mut P) -> Best {
+    fn trace_either<T: Skip<W>, P: Probe>(&self, any: bool, voxels: &T, ray: &Ray, walk: W, probe: &mut P) -> Best {
+        if P::WATCHES {
+            self.trace_watched(any, voxels, ray, walk, probe)
+        } else {
+            self.trace(any, voxels, ray, walk, probe)
+        }
+    }
+
+    #[inline(never)]
+    fn trace_watched<T: Skip<W>, P: Probe>(&self, any: bool, voxels: &T, ray: &Ray, walk: W, probe: &mut P) -> Best {
+        self.trace(any, voxels, ray, walk, probe)
+    }
+
+    /// From list to list until the winner, or the first hit if `any` will do, is certain.
+    #[inline(always)]
+    fn trace<T: Skip<W>, P: Probe>(&self, any: bool, voxels: &T, ray: &Ray, mut walk: W, probe: &mut P) -> Best {
         // Asked for at run time, but once for each test and not for each voxel: a predictable branch beside a test of a hundred
         // instructions, for half as many loops to compile.
         let mut mailbox = self.mailbox.then(|| Mailbox::take(self.geometry.len()));
@@ -132,7 +147,7 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
                         if mailbox.as_mut().is_none_or(|mailbox| mailbox.first_time(prim)) {
                             probe.test();
                             self.geometry.test(prim, ray, &prep, &mut best);
-                            if ANY && best.is_hit() {
+                            if any && best.is_hit() {
                                 return best;
                             }
                         }

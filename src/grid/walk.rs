@@ -134,7 +134,7 @@ impl VoxelWalk for Walk {
         for axis in 0..3 {
             let last = frame.resolution[axis] - 1;
             if walk.speed[axis] > 0.0 {
-                let entry = whole(walk.origin[axis] + walk.t * walk.speed[axis] + LANDING).1.min(last);
+                let entry = whole(walk.t * walk.speed[axis] + (walk.origin[axis] + LANDING)).1.min(last);
                 walk.plane[axis] = f64::from(entry + 1);
                 walk.left[axis] = last - entry;
                 walk.t_next[axis] = walk.crossing(axis);
@@ -190,8 +190,9 @@ impl VoxelWalk for Walk {
         self.t = t;
         let mut inside = true;
         for axis in 0..3 {
-            // NaN, and so nothing, along an axis of no movement; at most the voxels of the axis, as `t` lies before `t_end`.
-            let crossed = whole((t - self.t_next[axis]) * self.speed[axis] + (1.0 + LANDING));
+            // Minus infinity, and so nothing, along an axis of no movement; at most the voxels of the axis, as `t` lies before
+            // `t_end`. All but `t` is known before it.
+            let crossed = whole(t * self.speed[axis] + (self.origin[axis] - self.plane[axis] + (1.0 + LANDING)));
             inside &= crossed.1 <= self.left[axis];
             self.left[axis] = self.left[axis].wrapping_sub(crossed.1);
             self.plane[axis] += crossed.0;
@@ -202,16 +203,15 @@ impl VoxelWalk for Walk {
     }
 }
 
-/// The whole part of `x`, which is less than 2^31 and further than a rounding from the next lesser whole number; 0 if `x` is
-/// negative or NaN. As a floating-point number and as an integer.
+/// The whole part of `x`, which is less than 2^31; 0 if `x` is negative. As a floating-point number and as an integer. A
+/// whole number itself may give the next lesser one.
 ///
 /// Adding 2^52 + 2^51 leaves a whole number in the low bits, without the tests of range that a conversion would take.
 #[inline(always)]
 fn whole(x: f64) -> (f64, u32) {
     const SHIFT: f64 = 6_755_399_441_055_744.0;
-    let positive = if x > 0.0 { x } else { 0.0 };
-    // Rounds to the nearest; the half is what makes it round down.
-    let shifted = (positive - 0.5) + SHIFT;
+    // The sum rounds to the nearest; the half is what makes it round down.
+    let shifted = greater(x - 0.5, -0.5) + SHIFT;
     (shifted - SHIFT, shifted.to_bits() as u32)
 }
 

@@ -75,3 +75,46 @@ impl Walk {
         inside
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, Vec3};
+
+    fn sequence<W: VoxelWalk>(frame: &Frame, ray: &Ray) -> Vec<usize> {
+        let Start::Inside(mut walk) = W::start(frame, &ray.intake().expect("a ray")) else { return Vec::new() };
+        let mut voxels = vec![walk.voxel()];
+        while walk.step() {
+            voxels.push(walk.voxel());
+            assert!(voxels.len() < 100, "{ray:?} does not end");
+        }
+        voxels
+    }
+
+    /// Where the printed listing stalls (an axis without movement), cuts corners (ties) or strays (every ray).
+    #[test]
+    fn visits_what_the_branching_walk_visits() {
+        // Unit voxels at whole numbers: no padding, so that ties are exact.
+        let frame = Frame { lo: DVec3::ZERO, inverse: DVec3::ONE, resolution: [8, 6, 9] };
+        let mut longest = 0;
+        for i in 0..4096_u16 {
+            // Directions of few distinct slopes, from points in planes, on edges, at corners and off them.
+            let digit = |shift: u16| f32::from(i >> shift & 3) - 1.5;
+            let mut direction = Vec3::new(digit(0), digit(2), digit(4));
+            let origin = Vec3::new(4.0, 3.0, 4.5) + Vec3::new(digit(6), digit(8), digit(10)).round();
+            for zero in [0.0, -0.0] {
+                for axis in 0..3 {
+                    let ray = Ray::new(origin - 4.0 * direction, direction);
+                    let expected = sequence::<Walk>(&frame, &ray);
+                    longest = longest.max(expected.len());
+                    assert_eq!(sequence::<Branchless>(&frame, &ray), expected, "{ray:?}");
+                    direction[axis] = zero;
+                    if direction == Vec3::ZERO {
+                        direction[axis] = 1.0;
+                    }
+                }
+            }
+        }
+        assert!(longest > 15, "{longest}");
+    }
+}

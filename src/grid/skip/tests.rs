@@ -349,7 +349,7 @@ fn the_printed_landing_loses_voxels() {
         (DirectedSafeZones::NAME, printed_faults::<DirectedSafeZones>(1), printed_faults::<DirectedSafeZones>(5)),
         (DualExtents::NAME, printed_faults::<DualExtents>(1), printed_faults::<DualExtents>(5)),
     ] {
-        println!("{name}: {:.2} % of the rays wrong, {:.2} % from D = 5 on", 100.0 * always, 100.0 * from_five);
+        // 0.18 %, 0.46 % and 0.51 % of these rays; from D = 5 on 0.02 % each.
         assert!(from_five > 0.0 && from_five < always && always < 0.2, "{name}: {always} {from_five}");
     }
 }
