@@ -11,6 +11,8 @@ pub mod geometry;
 pub mod grid;
 #[cfg(feature = "render")]
 pub mod measure;
+#[cfg(feature = "cli")]
+pub mod papers;
 #[cfg(feature = "picture")]
 pub mod picture;
 #[cfg(feature = "scene")]

@@ -45,13 +45,9 @@ impl SceneArgs {
 
     /// `accel` with the memory budget as its option, where it has one and does not set it itself.
     pub fn spec(&self, accel: &str) -> String {
-        let (name, options) = accel.split_once(':').unwrap_or((accel, ""));
-        let takes = registry::ENTRIES.iter().any(|entry| entry.name == name && entry.options.contains("memory"));
         match self.memory_budget {
-            Some(bytes) if takes && !options.contains("memory=") => {
-                format!("{accel}{}memory={bytes}", if options.is_empty() { ":" } else { "," })
-            }
-            _ => accel.to_string(),
+            Some(bytes) => registry::with_default(accel, "memory", &bytes.to_string()),
+            None => accel.to_string(),
         }
     }
 }
@@ -127,5 +123,6 @@ mod tests {
         assert_eq!(args.spec("grid"), "grid:memory=1024");
         assert_eq!(args.spec("grid:density=2"), "grid:density=2,memory=1024");
         assert_eq!(args.spec("grid:memory=5"), "grid:memory=5");
+        assert_eq!(args.spec("grid-dsz:density=2"), "grid-dsz:density=2,memory=1024");
     }
 }

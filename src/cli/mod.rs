@@ -10,6 +10,7 @@ mod export;
 mod info;
 mod input;
 mod list;
+mod papers;
 mod render;
 mod table;
 mod trace;
@@ -53,6 +54,7 @@ enum Verb {
     Validate(validate::Args),
     Export(export::Args),
     Diff(diff::Args),
+    Papers(papers::Args),
 }
 
 /// How a verb ended that met no error.
@@ -84,6 +86,7 @@ pub fn main() -> ExitCode {
         Verb::Validate(args) => validate::run(&args, &console),
         Verb::Export(args) => export::run(&args, &console),
         Verb::Diff(args) => diff::run(&args, &console),
+        Verb::Papers(args) => papers::run(&args, &console),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

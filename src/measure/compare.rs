@@ -2,12 +2,12 @@
 
 use super::machine::Machine;
 use super::rays::{Query, RayKind, RayOptions, RaySet, ray_sets};
+use super::rounds::{build, in_turns, same};
 use crate::accel::{Accel, Counts, Hit, Memory};
 use crate::error::{Error, Result};
 use crate::ray::Ray;
 use crate::scene::Scene;
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 /// How to compare.
 #[derive(Clone, Debug, PartialEq)]
@@ -195,21 +195,6 @@ impl Comparison {
     }
 }
 
-/// Builds once, and twice more if that is quick; gives the median.
-fn build(scene: &Scene, spec: &str) -> Result<(Box<dyn Accel>, f64)> {
-    const QUICK: Duration = Duration::from_millis(200);
-    let mut times = Vec::new();
-    loop {
-        let start = Instant::now();
-        let accel = scene.accel(spec)?;
-        let time = start.elapsed();
-        times.push(time.as_secs_f64() * 1e3);
-        if time > QUICK || times.len() == 3 {
-            return Ok((accel, median(&mut times)));
-        }
-    }
-}
-
 /// Answers that differ from the first accelerator's.
 #[derive(Default)]
 struct Check {
@@ -260,65 +245,24 @@ impl Check {
     }
 }
 
-/// Equal to the bit.
-fn same(a: Option<Hit>, b: Option<Hit>) -> bool {
-    a.map(|h| (h.prim, h.t.to_bits())) == b.map(|h| (h.prim, h.t.to_bits()))
-}
-
 /// Median rate and spread of each accelerator; `None` if there is no ray.
-///
-/// Small sets are traced several times for each reading, so that a reading takes milliseconds. The accelerator that goes
-/// first changes from round to round.
 fn time(set: &RaySet, accels: &[Box<dyn Accel>], rounds: u32) -> Vec<Option<(f64, f64)>> {
     if set.rays.is_empty() {
         return vec![None; accels.len()];
     }
-    const READING: f64 = 2e-3;
-    let repeats: Vec<u32> =
-        accels.iter().map(|accel| (READING / seconds(set, accel, 1)).ceil().clamp(1.0, 10_000.0) as u32).collect();
-    let mut readings = vec![Vec::new(); accels.len()];
-    for round in 0..rounds as usize {
-        for turn in 0..accels.len() {
-            let i = (round + turn) % accels.len();
-            let seconds = seconds(set, &accels[i], repeats[i]).max(1e-9);
-            readings[i].push(set.rays.len() as f64 * f64::from(repeats[i]) / seconds);
+    let rays = set.rays.len() as f64;
+    let paces = in_turns(accels.len(), rounds, |i| trace(set, &accels[i]));
+    paces.into_iter().map(|pace| Some((pace.per_second * rays, pace.spread))).collect()
+}
+
+/// Traces the set once.
+fn trace(set: &RaySet, accel: &dyn Accel) {
+    black_box(match set.query {
+        Query::Closest => {
+            set.rays.iter().filter_map(|ray| accel.closest_hit(ray)).fold(0u32, |sum, hit| sum ^ hit.prim)
         }
-    }
-    readings
-        .into_iter()
-        .map(|mut rates| {
-            let median = median(&mut rates);
-            // `median` has sorted them; there is at least one.
-            let spread = rates.last().zip(rates.first()).map_or(0.0, |(max, min)| (max - min) / 2.0 / median);
-            Some((median, spread))
-        })
-        .collect()
-}
-
-/// Seconds to trace the set `repeats` times.
-fn seconds(set: &RaySet, accel: &dyn Accel, repeats: u32) -> f64 {
-    let start = Instant::now();
-    for _ in 0..repeats {
-        let sum = match set.query {
-            Query::Closest => {
-                set.rays.iter().filter_map(|ray| accel.closest_hit(ray)).fold(0u32, |sum, hit| sum ^ hit.prim)
-            }
-            Query::Any => set.rays.iter().fold(0, |sum, ray| sum + u32::from(accel.any_hit(ray))),
-        };
-        black_box(sum);
-    }
-    start.elapsed().as_secs_f64()
-}
-
-/// Sorts, and gives the middle or the mean of the two in the middle; NaN if there is none.
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let n = values.len();
-    match n {
-        0 => f64::NAN,
-        _ if n % 2 == 1 => values[n / 2],
-        _ => (values[n / 2 - 1] + values[n / 2]) / 2.0,
-    }
+        Query::Any => set.rays.iter().fold(0, |sum, ray| sum + u32::from(accel.any_hit(ray))),
+    });
 }
 
 #[cfg(test)]
@@ -328,13 +272,6 @@ mod tests {
     use crate::geometry::Sphere;
     use crate::ray::Aabb;
     use glam::Vec3;
-
-    #[test]
-    fn medians() {
-        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
-        assert!(median(&mut []).is_nan());
-    }
 
     /// Says that nothing is hit when only asked whether anything is.
     struct Blind<A>(A);

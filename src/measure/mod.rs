@@ -4,6 +4,7 @@ mod compare;
 mod machine;
 pub mod npy;
 mod rays;
+pub(crate) mod rounds;
 
 pub use compare::{Build, Comparison, Difference, Kind, Rate, Rounds, Row, compare, compare_with};
 pub use machine::Machine;

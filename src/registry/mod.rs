@@ -164,6 +164,12 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
     })
 }
 
+/// `spec` with the option `key=value`, where its accelerator has that option and `spec` does not set it.
+#[cfg(feature = "cli")]
+pub(crate) fn with_default(spec: &str, key: &str, value: &str) -> String {
+    spec::with_default(ENTRIES, spec, key, value)
+}
+
 /// How the plain grid steps.
 #[derive(Clone, Copy, Default)]
 enum Step {

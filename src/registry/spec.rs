@@ -91,6 +91,23 @@ impl Spec {
     }
 }
 
+/// `spec` with the option `key=value`, where its accelerator, one of `entries`, has that option and `spec` does not set it.
+#[cfg(feature = "cli")]
+pub(super) fn with_default(entries: &[Entry], spec: &str, key: &str, value: &str) -> String {
+    let (name, options) = spec.split_once(':').unwrap_or((spec, ""));
+    let key = format!("{key}=");
+    let options_of = |name: &str| entries.iter().find(|entry| entry.name == name).map_or("", |entry| entry.options);
+    let own = options_of(name);
+    // The options of `grid` are written out once only.
+    let takes = own.contains(&key) || (own.contains("those of grid") && options_of("grid").contains(&key));
+    let set = options.split(',').any(|option| option.starts_with(&key));
+    match (takes && !set, options.is_empty()) {
+        (false, _) => spec.to_string(),
+        (true, true) => format!("{name}:{key}{value}"),
+        (true, false) => format!("{spec},{key}{value}"),
+    }
+}
+
 /// Bytes as a number, with `K`, `M`, `G` or `T` for powers of 1024.
 pub(crate) fn parse_bytes(text: &str) -> Option<u64> {
     let (digits, shift) = match text.char_indices().last()? {

@@ -4,6 +4,7 @@ mod conformance;
 mod export;
 mod malformed;
 mod mesh_files;
+mod papers;
 mod pictures;
 mod random;
 mod render;

@@ -20,7 +20,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
     ("measure", &["accel", "error", "random", "ray", "scene"]),
-    ("cli", &["accel", "error", "measure", "picture", "ray", "registry", "render", "scene", "validate"]),
+    ("papers", &["accel", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"]),
+    ("cli", &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "validate"]),
 ];
 
 /// Files above this many lines do more than one thing.

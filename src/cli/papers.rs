@@ -1,0 +1,218 @@
+//! `skipgrid papers`: the tables and claims of the papers, measured again.
+
+mod forms;
+
+use super::Outcome;
+use super::console::Console;
+use super::input::check_folder;
+use crate::error::Result;
+use crate::papers::{Report, amanatides_woo, semwal_kvarnstrom, spd};
+use crate::picture::io::replace_file;
+use clap::builder::RangedU64ValueParser;
+use std::path::{Path, PathBuf};
+
+const DETAILS: &str = "\
+Every picture is rendered once; its rays are recorded and traced again through each accelerator, on one thread, in turns. \
+Every answer must equal the plain grid's to the bit, else the exit code is 1. Full runs take minutes; --quick takes \
+seconds and shows what there is to see, not how fast it is.
+
+Examples:
+  skipgrid papers amanatides-woo
+  skipgrid papers semwal-kvarnstrom --grids 32,64 --svg skips.svg
+  skipgrid papers spd --format markdown -o spd.md --svg spd.svg";
+
+/// Measure the papers' tables again and judge their claims
+#[derive(Debug, clap::Args)]
+#[command(after_help = DETAILS)]
+pub struct Args {
+    #[command(subcommand)]
+    paper: Paper,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Paper {
+    AmanatidesWoo(AmanatidesWoo),
+    SemwalKvarnstrom(SemwalKvarnstrom),
+    Spd(Spd),
+}
+
+/// Amanatides & Woo 1987: tests per ray with and without rayID, time against subdivision
+#[derive(Debug, clap::Args)]
+struct AmanatidesWoo {
+    /// Subdivisions of each axis; the paper's own come on top (1 to 128)
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
+    grids: Vec<u32>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Semwal & Kvarnstrom 1997: skip methods on four scenes, three views, three grid sizes
+#[derive(Debug, clap::Args)]
+struct SemwalKvarnstrom {
+    /// Voxels on each axis (32,64,128)
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
+    grids: Vec<u32>,
+
+    /// Accelerator, with options; give it once for each (all skip methods); the plain grid always comes first
+    #[arg(long = "accel", value_name = "A")]
+    accels: Vec<String>,
+
+    /// One of the paper's scenes; give it once for each (random, lanes, flakes, cars)
+    #[arg(long = "scene", value_name = "S")]
+    scenes: Vec<String>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Haines' Standard Procedural Databases over all accelerators
+#[derive(Debug, clap::Args)]
+struct Spd {
+    /// Accelerator, with options; give it once for each (all); the plain grid always comes first
+    #[arg(long = "accel", value_name = "A")]
+    accels: Vec<String>,
+
+    /// Scene, a file or one made by formula; give it once for each (all of SPD)
+    #[arg(long = "scene", value_name = "S")]
+    scenes: Vec<String>,
+
+    /// Voxels a primitive, of grids that do not set it
+    #[arg(long, value_name = "F", default_value_t = 20.0)]
+    density: f64,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, clap::Args)]
+struct Common {
+    /// Rows and columns of the pictures (192; 48 with --quick)
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<u32>::new().range(1..=1024))]
+    size: Option<u32>,
+
+    /// Timed rounds (5; 1 with --quick)
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<u32>::new().range(1..=1000))]
+    rounds: Option<u32>,
+
+    /// Small pictures, coarse grids, one round
+    #[arg(long)]
+    quick: bool,
+
+    /// Form of the report; default: by the extension of the output (.txt, .csv, .json, .md), else text
+    #[arg(long, value_enum)]
+    format: Option<Form>,
+
+    /// Where a plot goes: .svg
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+
+    /// Where the report goes, instead of standard output
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// The form of a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Form {
+    /// Aligned columns for people
+    Text,
+    /// One line for each cell: table, row, column, value
+    Csv,
+    /// One JSON object
+    Json,
+    /// A page with tables
+    Markdown,
+}
+
+fn grid() -> RangedU64ValueParser<u32> {
+    RangedU64ValueParser::new().range(1..=1024)
+}
+
+/// Measures and prints.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let common = match &args.paper {
+        Paper::AmanatidesWoo(AmanatidesWoo { common, .. })
+        | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
+        | Paper::Spd(Spd { common, .. }) => common,
+    };
+    for file in common.output.iter().chain(&common.svg) {
+        check_folder(file)?;
+    }
+    let report = measure(&args.paper, common, console)?;
+
+    let svg = common.svg.as_deref();
+    let text = match common.format.unwrap_or_else(|| Form::of(common.output.as_deref())) {
+        Form::Text => forms::text(&report),
+        Form::Csv => forms::csv(&report),
+        Form::Json => forms::json(&report),
+        Form::Markdown => forms::markdown(&report, svg),
+    };
+    if let Some(file) = svg {
+        replace_file(file, report.plot.svg().as_bytes())?;
+        console.note(format!("plot: {}", file.display()));
+    }
+    match &common.output {
+        Some(file) => {
+            replace_file(file, text.as_bytes())?;
+            console.note(format!("report: {}", file.display()));
+        }
+        None => console.data(&text)?,
+    }
+    if report.wrong > 0 {
+        console.warn(format!("{} answers differ from the plain grid's", report.wrong));
+        return Ok(Outcome::CheckFailed);
+    }
+    Ok(Outcome::Done)
+}
+
+impl Form {
+    fn of(output: Option<&Path>) -> Self {
+        match output.and_then(|file| file.extension()).and_then(|e| e.to_str()) {
+            Some("csv") => Form::Csv,
+            Some("json") => Form::Json,
+            Some("md") => Form::Markdown,
+            _ => Form::Text,
+        }
+    }
+}
+
+fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> {
+    let bar = console.progress(1);
+    let watch = |done: usize, all: usize, next: &str| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+        bar.set_message(next.to_string());
+    };
+    let quick = common.quick;
+    let size = common.size.unwrap_or(if quick { 48 } else { 192 });
+    let rounds = common.rounds.unwrap_or(if quick { 1 } else { 5 });
+    let or = |given: &[u32], full: &[u32], small: &[u32]| match given {
+        [] if quick => small.to_vec(),
+        [] => full.to_vec(),
+        _ => given.to_vec(),
+    };
+    let methods = &semwal_kvarnstrom::METHODS;
+    let accels = |given: &[String], more: &[&str]| match given {
+        [] => methods.iter().chain(more).map(|name| name.to_string()).collect(),
+        _ => given.to_vec(),
+    };
+    let report = match paper {
+        Paper::AmanatidesWoo(args) => {
+            let grids = or(&args.grids, &[1, 2, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128], &[2, 4, 8]);
+            amanatides_woo::run(&amanatides_woo::Options { size, rounds, grids }, &watch)
+        }
+        Paper::SemwalKvarnstrom(args) => {
+            let grids = or(&args.grids, &[32, 64, 128], &[16, 32]);
+            let (accels, scenes) = (accels(&args.accels, &[]), args.scenes.clone());
+            semwal_kvarnstrom::run(&semwal_kvarnstrom::Options { size, rounds, grids, accels, scenes }, &watch)
+        }
+        Paper::Spd(args) => {
+            let (accels, scenes) = (accels(&args.accels, &spd::BVHS), args.scenes.clone());
+            let patience = if quick { 0.05 } else { 0.5 };
+            spd::run(&spd::Options { size, rounds, density: args.density, accels, scenes, patience }, &watch)
+        }
+    };
+    bar.finish_and_clear();
+    report
+}

@@ -1,0 +1,95 @@
+//! How anything is timed here: contenders in turns, medians of the rounds.
+
+use crate::accel::{Accel, Hit};
+use crate::error::Result;
+use crate::scene::Scene;
+use std::time::{Duration, Instant};
+
+/// Speed of one contender.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pace {
+    /// Passes in a second: median of the rounds.
+    pub per_second: f64,
+    /// Half the distance between the fastest and the slowest round, as a share of the median.
+    pub spread: f64,
+}
+
+/// Times `pass(i)` for each contender `i`, in turns.
+///
+/// Short passes are repeated for each reading, so that a reading takes milliseconds; a first pass of each, which is not
+/// a reading, tells how often. The contender that goes first changes from round to round. `rounds` is at least 1.
+pub(crate) fn in_turns(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Pace> {
+    const READING: f64 = 2e-3;
+    let seconds = |contender: usize, repeats: u32| {
+        let start = Instant::now();
+        (0..repeats).for_each(|_| pass(contender));
+        start.elapsed().as_secs_f64().max(1e-9)
+    };
+    let repeats: Vec<u32> =
+        (0..contenders).map(|i| (READING / seconds(i, 1)).ceil().clamp(1.0, 10_000.0) as u32).collect();
+    let mut readings = vec![Vec::new(); contenders];
+    for round in 0..rounds as usize {
+        for turn in 0..contenders {
+            let i = (round + turn) % contenders;
+            readings[i].push(f64::from(repeats[i]) / seconds(i, repeats[i]));
+        }
+    }
+    let pace = |mut rates: Vec<f64>| {
+        let per_second = median(&mut rates);
+        // `median` has sorted them; there is at least one.
+        let spread = rates.last().zip(rates.first()).map_or(0.0, |(max, min)| (max - min) / 2.0 / per_second);
+        Pace { per_second, spread }
+    };
+    readings.into_iter().map(pace).collect()
+}
+
+/// Builds once, and twice more if that is quick; gives the median in milliseconds.
+pub(crate) fn build(scene: &Scene, spec: &str) -> Result<(Box<dyn Accel>, f64)> {
+    const QUICK: Duration = Duration::from_millis(200);
+    let mut times = Vec::new();
+    loop {
+        let start = Instant::now();
+        let accel = scene.accel(spec)?;
+        let time = start.elapsed();
+        times.push(time.as_secs_f64() * 1e3);
+        if time > QUICK || times.len() == 3 {
+            return Ok((accel, median(&mut times)));
+        }
+    }
+}
+
+/// Equal to the bit.
+pub(crate) fn same(a: Option<Hit>, b: Option<Hit>) -> bool {
+    a.map(|h| (h.prim, h.t.to_bits())) == b.map(|h| (h.prim, h.t.to_bits()))
+}
+
+/// Sorts, and gives the middle or the mean of the two in the middle; NaN if there is none.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => f64::NAN,
+        _ if n % 2 == 1 => values[n / 2],
+        _ => (values[n / 2 - 1] + values[n / 2]) / 2.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert!(median(&mut []).is_nan());
+    }
+
+    #[test]
+    fn every_contender_gets_a_pace() {
+        let paces = in_turns(3, 2, |_| ());
+        assert_eq!(paces.len(), 3);
+        assert!(paces.iter().all(|p| p.per_second > 0.0 && p.spread >= 0.0), "{paces:?}");
+        assert!(in_turns(0, 2, |_| ()).is_empty());
+    }
+}

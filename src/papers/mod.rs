@@ -1,0 +1,17 @@
+//! The tables and claims of the papers, measured again.
+//!
+//! Every experiment records the rays of real pictures once and traces that very list through each accelerator, so that
+//! all of them answer the same questions in the same order; see [`trace`].
+
+pub mod amanatides_woo;
+pub mod plot;
+pub mod printed_walk;
+pub mod report;
+pub mod semwal_kvarnstrom;
+pub mod spd;
+pub mod trace;
+
+pub use report::{Cell, Claim, Report, Table, Verdict};
+
+/// Called before each stage: stages done, stages in all, and what comes next in a few words.
+pub type Watch<'a> = dyn Fn(usize, usize, &str) + 'a;

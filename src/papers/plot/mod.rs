@@ -1,0 +1,119 @@
+//! Plots as SVG: dots in rows, and lines; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
+
+mod dots;
+mod lines;
+mod scale;
+
+pub use dots::{Dots, Panel};
+pub use lines::{Line, Lines};
+
+use std::fmt::Write as _;
+
+/// What there is to look at.
+#[derive(Clone, Debug)]
+pub enum Plot {
+    /// Panels of rows.
+    Dots(Dots),
+    /// One panel of lines.
+    Lines(Lines),
+}
+
+impl Plot {
+    /// A whole SVG document.
+    pub fn svg(&self) -> String {
+        match self {
+            Plot::Dots(dots) => dots.svg(),
+            Plot::Lines(lines) => lines.svg(),
+        }
+    }
+}
+
+/// Okabe & Ito 2008, "Color Universal Design", without the yellow and the black.
+const COLOURS: [&str; 6] = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9"];
+
+/// Mean width of a letter of 11 pixels' type, pixels; a little more than most.
+const LETTER: f64 = 6.4;
+
+/// An SVG document in the making. Coordinates are pixels from the top left corner.
+struct Svg {
+    width: f64,
+    height: f64,
+    body: String,
+}
+
+/// Where text stands relative to its point.
+#[derive(Clone, Copy)]
+enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Svg {
+    fn new(width: f64, height: f64) -> Self {
+        Self { width, height, body: String::new() }
+    }
+
+    fn add(&mut self, element: std::fmt::Arguments) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.body, "{element}");
+    }
+
+    /// Class `c` is one of the style sheet's.
+    fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, class: &str, text: &str) {
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let text = escaped(text);
+        self.add(format_args!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" class=\"{class}\">{text}</text>"
+        ));
+    }
+
+    fn line(&mut self, (x1, y1): (f64, f64), (x2, y2): (f64, f64), class: &str) {
+        self.add(format_args!("<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" class=\"{class}\"/>"));
+    }
+
+    /// The mark of series `i`, with `words` for readers that point at it.
+    fn mark(&mut self, (x, y): (f64, f64), i: usize, words: &str) {
+        let (colour, words) = (COLOURS[i % COLOURS.len()], escaped(words));
+        let shape = match i % 4 {
+            0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.8\""),
+            1 => format!("<rect x=\"{:.1}\" y=\"{:.1}\" width=\"6.8\" height=\"6.8\"", x - 3.4, y - 3.4),
+            2 => polygon(&[(x, y - 4.4), (x + 4.2, y + 3.2), (x - 4.2, y + 3.2)]),
+            _ => polygon(&[(x, y - 4.6), (x + 4.6, y), (x, y + 4.6), (x - 4.6, y)]),
+        };
+        self.add(format_args!("{shape} fill=\"{colour}\" class=\"mark\"><title>{words}</title></{}>", tag(&shape)));
+    }
+
+    fn finish(self) -> String {
+        let Self { width, height, body } = self;
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
+             viewBox=\"0 0 {width:.0} {height:.0}\">\n<style>{STYLE}</style>\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{body}</svg>\n"
+        )
+    }
+}
+
+const STYLE: &str = "\
+text{font-family:Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif;font-size:11px;fill:#222}\
+.title{font-size:18px;font-weight:bold}.subtitle{font-size:12px;fill:#555}.panel{font-size:13px;font-weight:bold}\
+.tick{fill:#555}.grid{stroke:#ddd}.axis{stroke:#888}.span{stroke:#bbb;stroke-width:2}\
+.mark{stroke:white;stroke-width:0.8}";
+
+/// The name of an opened element.
+fn tag(element: &str) -> &str {
+    element.trim_start_matches('<').split(' ').next().unwrap_or_default()
+}
+
+fn polygon(points: &[(f64, f64)]) -> String {
+    let points: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+    format!("<polygon points=\"{}\"", points.join(" "))
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
