@@ -34,7 +34,7 @@ pub use walk_integer::IntegerWalk;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
-use crate::ray::{Aabb, Ray};
+use crate::ray::{Aabb, Ray, greater};
 use frame::Frame;
 use mailbox::Mailbox;
 use skip::{Look, NoSkip, Skip, Voxels};
@@ -159,14 +159,17 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
                     }
                 }
                 Look::Empty(safe_until) => {
-                    if safe_until > walk.exit() {
+                    // No branch on which is further: no predictor would get it right. To the exit it is a step.
+                    let exit = walk.exit();
+                    if safe_until > exit {
                         probe.leap();
-                        if !walk.leap(safe_until) {
-                            return best;
-                        }
-                        continue;
                     }
+                    if !walk.leap(greater(safe_until, exit)) {
+                        return best;
+                    }
+                    continue;
                 }
+                Look::Near => {}
             }
             if !walk.step() {
                 return best;

@@ -35,7 +35,7 @@ pub trait VoxelWalk: Clone + Send + Sync {
     /// Lowers the end of the ray to `t`.
     fn end_at(&mut self, t: f64);
 
-    /// Goes to the voxel at parameter `t`, beyond [`VoxelWalk::exit`]; false if the ray ends before it or leaves the grid.
+    /// Goes to the voxel at parameter `t`, not before [`VoxelWalk::exit`]; false if the ray ends before it or leaves the grid.
     /// A walk that cannot leap takes a step.
     #[inline(always)]
     fn leap(&mut self, _t: f64) -> bool {

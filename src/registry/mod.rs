@@ -32,10 +32,10 @@ pub struct Entry {
     pub source: &'static str,
 }
 
-const SKIP_OPTIONS: &str = "threshold=N (least distance worth a leap, 1..255; 2), distances=linear|log2|half (linear; the \
+const SKIP_OPTIONS: &str = "threshold=N (least distance worth a leap, 1..255; 3), distances=linear|log2|half (linear; the \
                             others take 4 bits each), and those of grid but step";
 const SKIP_OPTIONS_PRINTED: &str = "landing=exact|paper (exact; paper lands as printed, gets rays wrong and counts them), \
-                                    threshold=N (least distance worth a leap, 1..255; 2, paper 5), \
+                                    threshold=N (least distance worth a leap, 1..255; 3, paper 5), \
                                     distances=linear|log2|half (linear; the others take 4 bits each), and those of grid but \
                                     step";
 
@@ -71,7 +71,7 @@ pub const ENTRIES: &[Entry] = &[
         name: "grid-dual",
         summary: "grid with dual extents: a cloud and six lanes, 8 bytes a voxel",
         options: "lane=N (half width of the lanes in voxels, 1..255; 16), landing=exact|paper (exact), \
-                  threshold=N (least distance worth a leap, 1..255; 2), distances=linear|log2|half (linear), and those of grid \
+                  threshold=N (least distance worth a leap, 1..255; 3), distances=linear|log2|half (linear), and those of grid \
                   but step",
         source: "Semwal & Kvarnstrom 1997 section 5",
     },

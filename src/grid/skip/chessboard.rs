@@ -30,7 +30,8 @@ impl Method for Chessboard {
     fn ray(_walk: &Walk) {}
 
     #[inline(always)]
-    fn safe_until<T: Slot>(_ray: &(), walk: &Walk, _slots: &[T], slot: T) -> f64 {
-        box_end(walk, slot.distance(0))
+    fn safe_until<T: Slot>(_ray: &(), walk: &Walk, _slots: &[T], slot: T) -> Option<f64> {
+        let distance = slot.distance(0);
+        (distance > 1).then(|| box_end(walk, distance))
     }
 }

@@ -37,8 +37,9 @@ impl Method for ProximityClouds {
     }
 
     #[inline(always)]
-    fn safe_until<T: Slot>(ray: &Diamond, walk: &Walk, _slots: &[T], slot: T) -> f64 {
-        ray.end(slot.distance(0), corner(walk))
+    fn safe_until<T: Slot>(ray: &Diamond, walk: &Walk, _slots: &[T], slot: T) -> Option<f64> {
+        let distance = slot.distance(0);
+        (distance > 1).then(|| ray.end(distance, corner(walk)))
     }
 }
 

@@ -48,8 +48,9 @@ impl Method for DirectedSafeZones {
     }
 
     #[inline(always)]
-    fn safe_until<T: Slot>(ray: &Diamond, walk: &Walk, _slots: &[T], slot: T) -> f64 {
-        ray.end(slot.distance(next_face(walk)), corner(walk))
+    fn safe_until<T: Slot>(ray: &Diamond, walk: &Walk, _slots: &[T], slot: T) -> Option<f64> {
+        let distance = slot.distance(next_face(walk));
+        (distance > 1).then(|| ray.end(distance, corner(walk)))
     }
 }
 

@@ -34,16 +34,19 @@ impl Method for DirectedSafeZones24 {
     }
 
     #[inline(always)]
-    fn safe_until<T: Slot>(ray: &Diamond, walk: &Walk, slots: &[T], _slot: T) -> f64 {
+    fn safe_until<T: Slot>(ray: &Diamond, walk: &Walk, slots: &[T], _slot: T) -> Option<f64> {
         let axis = walk.next_axis();
         if walk.left[axis] == 0 {
             // The next crossing leaves the grid.
-            return f64::NEG_INFINITY;
+            return None;
         }
         let beside = slots[walk.voxel.wrapping_add_signed(walk.stride[axis])];
         match beside.place() {
-            Some(_) => f64::NEG_INFINITY,
-            None => ray.end(1 + beside.distance(walk.octant), corner(walk)),
+            Some(_) => None,
+            None => {
+                let distance = beside.distance(walk.octant);
+                (distance > 1).then(|| ray.end(1 + distance, corner(walk)))
+            }
         }
     }
 }

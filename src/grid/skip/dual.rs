@@ -41,6 +41,7 @@ impl Method for DualExtents {
     type Slot = Eight;
     type Ray = Lane;
     const NAME: &'static str = "dual extents";
+    const WIDTHS: usize = 1;
     // The cloud, six extents, and two planes at work for each face.
     const PEAK: u64 = 19;
 
@@ -65,11 +66,13 @@ impl Method for DualExtents {
     }
 
     #[inline(always)]
-    fn safe_until<T: Slot>(ray: &Lane, walk: &Walk, _slots: &[T], slot: T) -> f64 {
-        let sum = corner(walk);
-        let ahead = ray.all.end(slot.distance(ray.field), sum);
-        let beside = ray.sides.end(slot.distance(0), sum - coordinate(walk, ray.axis));
-        lesser(ahead, beside)
+    fn safe_until<T: Slot>(ray: &Lane, walk: &Walk, _slots: &[T], slot: T) -> Option<f64> {
+        let extent = slot.distance(ray.field);
+        (extent > 1).then(|| {
+            let sum = corner(walk);
+            let beside = ray.sides.end(slot.distance(0), sum - coordinate(walk, ray.axis));
+            lesser(ray.all.end(extent, sum), beside)
+        })
     }
 }
 

@@ -46,9 +46,11 @@ use crate::accel::Memory;
 pub enum Look<'a> {
     /// Primitives to test, possibly none; the walk goes on with a step.
     List(&'a [u32]),
-    /// The voxel is empty, and so is every voxel that the ray meets before this parameter. Unless it lies beyond the next
-    /// crossing there is nothing to leap over.
+    /// The voxel is empty, and so is every voxel that the ray meets before this parameter. Before the next crossing it says
+    /// nothing more than that.
     Empty(f64),
+    /// The voxel is empty, and nothing is known of others: the walk goes on with a step.
+    Near,
 }
 
 /// A grid's voxels as a walk `W` meets them: lists, and how far it may go over empty ones.
@@ -86,6 +88,8 @@ pub trait Method: Send + Sync + 'static {
     type Ray;
     /// For people.
     const NAME: &'static str;
+    /// The first so many fields are widths of regions and not lengths of leaps: no threshold applies to them.
+    const WIDTHS: usize = 0;
     /// Bytes a voxel that [`Method::distances`] holds at most, its result included.
     const PEAK: u64;
 
@@ -96,7 +100,9 @@ pub trait Method: Send + Sync + 'static {
     /// Computes what all looks of one ray share.
     fn ray(walk: &Walk) -> Self::Ray;
 
-    /// The parameter up to which the ray, in the empty voxel of `slot` now, surely meets empty voxels only. Distances may
-    /// have been rounded down.
-    fn safe_until<T: Slot>(ray: &Self::Ray, walk: &Walk, slots: &[T], slot: T) -> f64;
+    /// The parameter up to which the ray, in the empty voxel of `slot` now, surely meets empty voxels only; `None` if the
+    /// distance is 1 and tells nothing. Distances may have been rounded down.
+    ///
+    /// `None` is for speed alone: whether there is anything to leap over is known from the slot, long before where to.
+    fn safe_until<T: Slot>(ray: &Self::Ray, walk: &Walk, slots: &[T], slot: T) -> Option<f64>;
 }

@@ -28,7 +28,8 @@ impl Method for Octants {
     fn ray(_walk: &Walk) {}
 
     #[inline(always)]
-    fn safe_until<T: Slot>(_ray: &(), walk: &Walk, _slots: &[T], slot: T) -> f64 {
-        box_end(walk, slot.distance(walk.octant))
+    fn safe_until<T: Slot>(_ray: &(), walk: &Walk, _slots: &[T], slot: T) -> Option<f64> {
+        let distance = slot.distance(walk.octant);
+        (distance > 1).then(|| box_end(walk, distance))
     }
 }

@@ -19,8 +19,8 @@ pub enum Distances {
 pub struct SkipOptions {
     /// How distances are stored.
     pub distances: Distances,
-    /// The least distance worth a leap, 1 to 255; lesser ones count as 1. The paper's is 5, which also hides part of what its
-    /// landing rule gets wrong; here it is a matter of cost alone.
+    /// The least distance worth a leap, 1 to 255; lesser ones count as 1, which is a step. The paper's is 5, which also hides
+    /// part of what its landing rule gets wrong; here it is a matter of cost alone: a leap costs about four steps.
     pub threshold: u8,
     /// Half width of the lanes of dual extents, 1 to 255 voxels: their preprocessing grows with it.
     pub lane: u8,
@@ -28,7 +28,7 @@ pub struct SkipOptions {
 
 impl Default for SkipOptions {
     fn default() -> Self {
-        Self { distances: Distances::Linear, threshold: 1, lane: 16 }
+        Self { distances: Distances::Linear, threshold: 3, lane: 16 }
     }
 }
 
@@ -46,7 +46,11 @@ impl SkipOptions {
 
     /// What is stored for a distance of at least 1. Never more, so a region can only shrink.
     pub(super) fn stored(&self, distance: u8) -> u8 {
-        let distance = if distance < self.threshold { 1 } else { distance };
+        if distance < self.threshold { 1 } else { self.rounded(distance) }
+    }
+
+    /// The same for a width, which has no threshold.
+    pub(super) fn rounded(&self, distance: u8) -> u8 {
         match self.distances {
             // What does not fit into four bits is rounded down by the slot.
             Distances::Linear | Distances::HalfLog2 => distance,

@@ -87,7 +87,11 @@ impl<M: Method, T: Slot> Table<M, T> {
                 (chunk * CHUNK, begin, slots)
             })
             .collect();
-        let stored: Vec<u8> = (0..=u8::MAX).map(|d| options.stored(d)).collect();
+        let lengths: Vec<u8> = (0..=u8::MAX).map(|d| options.stored(d)).collect();
+        let widths: Vec<u8> = (0..=u8::MAX).map(|d| options.rounded(d)).collect();
+        let planes: Vec<(&[u8], &Vec<u8>)> = (planes.iter().enumerate())
+            .map(|(field, plane)| (&plane[..], if field < M::WIDTHS { &widths } else { &lengths }))
+            .collect();
         let totals = parallel::map(chunks, |(first, mut filled_before, slots)| {
             let mut total = Total::default();
             let mut distances = [0; 8];
@@ -96,7 +100,7 @@ impl<M: Method, T: Slot> Table<M, T> {
                     *slot = T::filled(cells.begin(voxel) + filled_before);
                     filled_before += 1;
                 } else {
-                    for (distance, plane) in distances.iter_mut().zip(&planes) {
+                    for (distance, (plane, stored)) in distances.iter_mut().zip(&planes) {
                         *distance = stored[usize::from(plane[voxel])];
                     }
                     *slot = T::empty(&distances[..planes.len()]);
@@ -130,7 +134,7 @@ impl<M: Method, T: Slot> Skip<Walk> for Table<M, T> {
         let slot = self.slots[walk.voxel];
         match slot.place() {
             Some(place) => Look::List(self.list(place)),
-            None => Look::Empty(M::safe_until(ray, walk, &self.slots, slot)),
+            None => M::safe_until(ray, walk, &self.slots, slot).map_or(Look::Near, Look::Empty),
         }
     }
 }

@@ -220,8 +220,11 @@ fn visited<S: Skip<Walk>>(voxels: &S, frame: &Frame, ray: &Ray) -> (Vec<usize>, 
                 }
                 walk.step()
             }
-            Look::Empty(safe_until) if safe_until > walk.exit() => walk.leap(safe_until),
-            Look::Empty(_) => walk.step(),
+            Look::Empty(safe_until) => {
+                let t = safe_until.max(walk.exit());
+                walk.leap(t)
+            }
+            Look::Near => walk.step(),
         };
         if !goes_on {
             return (filled, looks);
