@@ -190,9 +190,9 @@ impl VoxelWalk for Walk {
         self.t = t;
         let mut inside = true;
         for axis in 0..3 {
-            // Minus infinity, and so nothing, along an axis of no movement; at most the voxels of the axis, as `t` lies before
-            // `t_end`. All but `t` is known before it.
-            let crossed = whole(t * self.speed[axis] + (self.origin[axis] - self.plane[axis] + (1.0 + LANDING)));
+            // At least 1 where `t` is not before the crossing, however large the rounding errors of a far origin are. NaN, and
+            // so nothing, along an axis of no movement; at most the voxels of the axis, as `t` lies before `t_end`.
+            let crossed = whole((t - self.t_next[axis]) * self.speed[axis] + (1.0 + LANDING));
             inside &= crossed.1 <= self.left[axis];
             self.left[axis] = self.left[axis].wrapping_sub(crossed.1);
             self.plane[axis] += crossed.0;
@@ -203,7 +203,7 @@ impl VoxelWalk for Walk {
     }
 }
 
-/// The whole part of `x`, which is less than 2^31; 0 if `x` is negative. As a floating-point number and as an integer. A
+/// The whole part of `x`, which is less than 2^31; 0 if `x` is negative or NaN. As a floating-point number and as an integer. A
 /// whole number itself may give the next lesser one.
 ///
 /// Adding 2^52 + 2^51 leaves a whole number in the low bits, without the tests of range that a conversion would take.

@@ -329,6 +329,41 @@ fn leaps_pass_over_no_filled_voxel() {
     leaps_are_safe::<Octants, Eight>(&linear);
 }
 
+fn leaps_end<M: Method>() {
+    let mut random = Random(8);
+    for o in scenes() {
+        // Around the origin, which rays from the far ends of f32 still meet.
+        let resolution = o.resolution.map(|n| n as u32);
+        let max = Vec3::from(resolution.map(|n| n as f32)) / 2.0;
+        let options = GridOptions { resolution: Some(resolution), ..GridOptions::default() };
+        let frame = Frame::new(&Aabb { min: -max, max }, 1, &options);
+        let table = table::<M, M::Slot>(&o, &SkipOptions { threshold: 1, ..SkipOptions::default() });
+        let mut farthest = 0;
+        for far in 0..40 {
+            for _ in 0..100 {
+                // A power of two: the ray goes through the origin exactly.
+                let direction = random.in_cube();
+                let ray = Ray::new(-(far as f32).exp2() * direction, direction);
+                if visited(&table, &frame, &ray).1 > 0 {
+                    farthest = far;
+                }
+            }
+        }
+        assert!(farthest > 32, "{}: 2^{farthest}", M::NAME);
+    }
+}
+
+/// Far origins round by more than a leap's slack: a leap to the exit must cross a plane all the same.
+#[test]
+fn leaps_from_far_origins_end() {
+    leaps_end::<ProximityClouds>();
+    leaps_end::<DirectedSafeZones>();
+    leaps_end::<DirectedSafeZones24>();
+    leaps_end::<DualExtents>();
+    leaps_end::<Chessboard>();
+    leaps_end::<Octants>();
+}
+
 /// Share of the rays whose first filled voxel is wrong by the printed rule.
 fn printed_faults<M: PrintedRule>(threshold: u8) -> f64 {
     let mut random = Random(6);
