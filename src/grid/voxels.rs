@@ -65,7 +65,7 @@ impl VoxelGrid {
         self.bounds
     }
 
-    /// VoxelVisits along x, y and z.
+    /// Voxels along x, y and z.
     pub fn resolution(&self) -> [u32; 3] {
         self.resolution
     }

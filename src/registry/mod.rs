@@ -283,11 +283,39 @@ mod tests {
             ("grid:density=1,density=2", "twice"),
             ("brute:density=1", "unknown option"),
             ("obvhs-cwbvh:preset=best", "very_slow"),
+            ("grid:step=fast", "branching|branchless|integer"),
+            ("grid-dsz:step=branchless", "unknown option `step`"),
+            ("grid-dsz:threshold=0", "threshold"),
+            ("grid-dual:lane=256", "lane"),
+            ("grid-octant:lane=4", "unknown option `lane`"),
+            ("grid-clouds:distances=log", "linear|log2|half"),
+            ("grid-octant:landing=paper", "unknown option `landing`"),
+            ("grid-dsz:landing=paper,distances=log2", "linear distances only"),
             ("", "name"),
         ] {
             let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };
             assert!(error.to_string().contains(part), "{spec}: {error}");
         }
+    }
+
+    #[test]
+    fn the_printed_landing_counts_what_it_gets_wrong() {
+        let triangles = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]];
+        for name in ["grid-clouds", "grid-dsz", "grid-dual"] {
+            let accel = build(&format!("{name}:landing=paper"), &triangles).expect(name);
+            assert!(accel.any_hit(&crate::Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z)));
+            let line = accel.describe();
+            assert!(line.ends_with("LANDING AS PRINTED: 0 of 1 rays wrong so far"), "{line}");
+        }
+    }
+
+    #[test]
+    fn skip_tables_beyond_the_budget_are_refused() {
+        let triangles = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]];
+        // The voxels alone fit: 64 cubed times 4 bytes.
+        assert!(build("grid:resolution=64,memory=2M", &triangles).is_ok());
+        let Err(error) = build("grid-dsz:resolution=64,memory=2M", &triangles) else { panic!("accepted") };
+        assert!(matches!(error, crate::Error::TooLarge { .. }) && error.to_string().contains("skip table"), "{error}");
     }
 
     #[test]
