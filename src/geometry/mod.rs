@@ -9,7 +9,7 @@ mod indexed;
 mod mixed;
 mod sphere;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod triangle;
 
 pub use indexed::IndexedTriangles;

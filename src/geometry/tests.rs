@@ -5,8 +5,8 @@ use glam::Vec3;
 
 type V = [i128; 3];
 
-/// Seeded numbers (xorshift64*).
-pub(super) struct Random(u64);
+/// Seeded numbers (xorshift64*), for tests that need no feature.
+pub(crate) struct Random(u64);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
@@ -17,6 +17,14 @@ impl Random {
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
         self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 8
+    }
+    /// Uniform in `0 <= x < 1`, 24 bits.
+    pub fn unit(&mut self) -> f32 {
+        (self.next() >> 32) as f32 / 16_777_216.0
+    }
+    /// Uniform in the cube from -1 to 1.
+    pub fn in_cube(&mut self) -> Vec3 {
+        Vec3::from([(); 3].map(|()| self.unit() * 2.0 - 1.0))
     }
     /// Uniform in `-n..=n`.
     pub fn within(&mut self, n: i128) -> i128 {

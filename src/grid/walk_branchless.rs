@@ -14,7 +14,7 @@
 
 use super::frame::Frame;
 use super::walk::{Start, VoxelWalk, Walk};
-use crate::ray::{Ray, lesser};
+use crate::ray::Ray;
 
 /// [`Walk`] with a masked step.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ impl Walk {
         let along_x = x < y && x < z;
         let along_y = !along_x && y < z && y <= x;
         let mask = [along_x, along_y, !(along_x || along_y)];
-        if lesser(lesser(x, y), z) >= self.t_end {
+        if self.exit() >= self.t_end {
             return false;
         }
         let mut inside = false;

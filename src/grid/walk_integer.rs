@@ -145,24 +145,8 @@ impl IntegerWalk {
 mod tests {
     use super::super::frame::WALK_ERROR;
     use super::*;
+    use crate::geometry::tests::Random;
     use glam::{DVec3, Vec3};
-
-    /// xorshift64*: seeded numbers for tests.
-    fn next(state: &mut u64) -> u64 {
-        *state ^= *state >> 12;
-        *state ^= *state << 25;
-        *state ^= *state >> 27;
-        state.wrapping_mul(0x2545_f491_4f6c_dd1d)
-    }
-
-    /// Evenly in -1..1.
-    fn signed(state: &mut u64) -> f32 {
-        (next(state) >> 40) as f32 / (1 << 23) as f32 - 1.0
-    }
-
-    fn vector(state: &mut u64) -> Vec3 {
-        Vec3::new(signed(state), signed(state), signed(state))
-    }
 
     /// The box from -1 to 1.
     fn frame(resolution: [u32; 3]) -> Frame {
@@ -175,32 +159,32 @@ mod tests {
 
     /// Calls `check` with rays of every class of direction.
     fn for_rays(seed: u64, mut check: impl FnMut(&Frame, &Ray)) {
-        let mut state = seed;
+        let mut random = Random::new(seed);
         for resolution in RESOLUTIONS {
             let frame = frame(resolution);
             let n = Vec3::from(resolution.map(|n| n as f32));
             for i in 0..240 {
-                let signs = vector(&mut state).signum();
+                let signs = random.in_cube().signum();
                 // On the lattice of the corners, as near as f32 comes.
-                let corner = ((vector(&mut state) * n).round() / n).clamp(Vec3::NEG_ONE, Vec3::ONE);
-                let (mut origin, mut direction) = (2.0 * vector(&mut state), Vec3::ZERO);
-                let axis = (next(&mut state) % 3) as usize;
+                let corner = ((random.in_cube() * n).round() / n).clamp(Vec3::NEG_ONE, Vec3::ONE);
+                let (mut origin, mut direction) = (2.0 * random.in_cube(), Vec3::ZERO);
+                let axis = (random.next() % 3) as usize;
                 match i % 8 {
-                    0 | 1 => direction = vector(&mut state) - origin,
+                    0 | 1 => direction = random.in_cube() - origin,
                     2 => (origin, direction[axis]) = (corner, signs[axis]),
                     3 => {
-                        direction = vector(&mut state) - origin;
+                        direction = random.in_cube() - origin;
                         (origin[axis], direction[axis]) = (corner[axis], 0.0);
                     }
                     4 => (origin, direction) = (corner, signs),
                     5 => (origin, direction) = (corner - 2.0 * signs / n, signs / n),
                     6 => {
-                        direction = vector(&mut state) - origin;
-                        direction[axis] *= 10f32.powf(40.0 * signed(&mut state).abs() - 45.0);
+                        direction = random.in_cube() - origin;
+                        direction[axis] *= 10f32.powf(40.0 * random.unit() - 45.0);
                     }
                     _ => {
-                        origin *= 10f32.powf(7.0 * signed(&mut state).abs());
-                        direction = (vector(&mut state) - origin) * 10f32.powf(30.0 * signed(&mut state));
+                        origin *= 10f32.powf(7.0 * random.unit());
+                        direction = (random.in_cube() - origin) * 10f32.powf(30.0 * (2.0 * random.unit() - 1.0));
                     }
                 }
                 check(&frame, &Ray::new(origin, direction).with_range(f32::NEG_INFINITY, f32::INFINITY));

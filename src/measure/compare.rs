@@ -173,7 +173,7 @@ pub fn compare_with<S: AsRef<str>>(
     rows.iter_mut().zip(&accels).for_each(|(row, accel)| row.described = accel.describe());
     Ok(Comparison {
         scene: scene.name.clone(),
-        primitives: scene.triangle_count() + scene.spheres.len() as u32,
+        primitives: scene.primitive_count(),
         rounds: rounds.rounds,
         machine: Machine::this(),
         kinds,

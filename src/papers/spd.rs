@@ -1,10 +1,9 @@
 //! Haines' Standard Procedural Databases over all accelerators: the comparison that the 1997 paper announced.
 
-use super::Watch;
 use super::plot::{Dots, Panel, Plot};
 use super::report::{Cell, Report, Table};
-use super::semwal_kvarnstrom::PLAIN;
 use super::trace::{Asked, Cost, Origin, costs, record, thinned};
+use super::{Watch, plain_first};
 use crate::accel::{Accel, Memory};
 use crate::error::{Error, Result};
 use crate::measure::Machine;
@@ -97,8 +96,7 @@ pub fn run(options: &Options, watch: &Watch) -> Result<Report> {
         let (scenes, rounds) = (scenes.len(), options.rounds);
         return Err(Error::invalid(format!("nothing to measure: {scenes} scenes, {rounds} rounds")));
     }
-    let mut accels = vec![PLAIN.to_string()];
-    accels.extend(options.accels.iter().filter(|a| *a != PLAIN).cloned());
+    let accels = plain_first(&options.accels);
     let mut measured = Vec::new();
     for (i, spec) in scenes.iter().enumerate() {
         watch(i, scenes.len(), spec);
@@ -134,7 +132,7 @@ fn measure(spec: &str, specs: &[String], options: &Options) -> Result<Measured> 
     let published = SCENES.iter().find(|scene| scene.name == spec);
     let published = published.map(|published| (published, eye_hits(&scene, &accels, &entries)));
     let rays = [asked.len() as u64, some.len() as u64];
-    Ok(Measured { scene: spec.to_string(), primitives: primitives(&scene), rays, entries, published })
+    Ok(Measured { scene: spec.to_string(), primitives: scene.primitive_count(), rays, entries, published })
 }
 
 /// Those of SPD's eye rays that hit something, by the fastest accelerator: all agree.
@@ -142,10 +140,6 @@ fn eye_hits(scene: &Scene, accels: &[&dyn Accel], entries: &[Entry]) -> u64 {
     let fastest = entries.iter().zip(accels).min_by(|a, b| a.0.nanoseconds().total_cmp(&b.0.nanoseconds()));
     let Some((_, accel)) = fastest else { return 0 };
     eye_rays(&scene.camera).iter().filter(|ray| accel.any_hit(ray)).count() as u64
-}
-
-fn primitives(scene: &Scene) -> u32 {
-    scene.triangle_count() + scene.spheres.len() as u32
 }
 
 /// As many of the rays as `accel` traces in about `seconds`.

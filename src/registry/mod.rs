@@ -179,48 +179,46 @@ enum Step {
     Integer,
 }
 
-/// A method whose landing is in print.
+/// A grid with the distances of a method whose landing is in print.
 fn skip_grid_printed<'a, G: Geometry + 'a, M: PrintedRule>(mut spec: Spec, geometry: G) -> Result<Box<dyn Accel + 'a>> {
     let paper = spec.take_choice("landing", &[("exact", false), ("paper", true)])?.unwrap_or_default();
     if !paper {
         return skip_grid::<G, M>(spec, geometry);
     }
     // The paper leaps from five on.
-    let mut skip = skip_options(&mut spec, SkipOptions { threshold: 5, ..SkipOptions::default() })?;
-    if M::NAME == DualExtents::NAME {
-        skip.lane = lane(&mut spec)?.unwrap_or(skip.lane);
-    }
-    let options = grid_options(&mut spec)?;
-    spec.finish()?;
-    let grid = Grid::build(geometry, &options)?;
+    let printed = SkipOptions { threshold: 5, ..SkipOptions::default() };
+    let (grid, skip) = grid_and_skip::<G, M>(spec, geometry, printed)?;
     Ok(Box::new(PrintedLanding::<G, M>::new(grid, &skip)?))
 }
 
-fn skip_grid<'a, G: Geometry + 'a, M: Method>(mut spec: Spec, geometry: G) -> Result<Box<dyn Accel + 'a>> {
-    let mut skip = skip_options(&mut spec, SkipOptions::default())?;
-    if M::NAME == DualExtents::NAME {
-        skip.lane = lane(&mut spec)?.unwrap_or(skip.lane);
-    }
-    let options = grid_options(&mut spec)?;
-    spec.finish()?;
-    let grid = Grid::build(geometry, &options)?;
+/// A grid with the distances of a method.
+fn skip_grid<'a, G: Geometry + 'a, M: Method>(spec: Spec, geometry: G) -> Result<Box<dyn Accel + 'a>> {
+    let (grid, skip) = grid_and_skip::<G, M>(spec, geometry, SkipOptions::default())?;
     Ok(match skip.distances {
         Distances::Linear => Box::new(grid.with_skip::<M>(&skip)?),
         _ => Box::new(grid.with_table::<M, Packed>(&skip)?),
     })
 }
 
-fn skip_options(spec: &mut Spec, default: SkipOptions) -> Result<SkipOptions> {
+/// The plain grid that `spec` describes, and the options of its skip table; `default` where it says nothing.
+fn grid_and_skip<G: Geometry, M: Method>(
+    mut spec: Spec,
+    geometry: G,
+    default: SkipOptions,
+) -> Result<(Grid<G>, SkipOptions)> {
     let forms = [("linear", Distances::Linear), ("log2", Distances::Log2), ("half", Distances::HalfLog2)];
-    Ok(SkipOptions {
+    let mut skip = SkipOptions {
         distances: spec.take_choice("distances", &forms)?.unwrap_or(default.distances),
         threshold: spec.take("threshold", above_zero)?.unwrap_or(default.threshold),
         ..default
-    })
-}
-
-fn lane(spec: &mut Spec) -> Result<Option<u8>> {
-    spec.take("lane", above_zero)
+    };
+    // Only regions with a width of their own have lanes.
+    if M::WIDTHS > 0 {
+        skip.lane = spec.take("lane", above_zero)?.unwrap_or(default.lane);
+    }
+    let options = grid_options(&mut spec)?;
+    spec.finish()?;
+    Ok((Grid::build(geometry, &options)?, skip))
 }
 
 fn above_zero(text: &str) -> Option<u8> {

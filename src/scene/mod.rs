@@ -179,6 +179,11 @@ impl Scene {
         *self.mesh_offsets.last().unwrap_or(&0)
     }
 
+    /// Number of primitives: triangles and spheres.
+    pub fn primitive_count(&self) -> u32 {
+        self.triangle_count() + self.spheres.len() as u32
+    }
+
     /// Builds the accelerator that `spec` names over the scene's primitives.
     ///
     /// # Errors

@@ -82,7 +82,7 @@ impl PrintedRule for DualExtents {
     fn printed_until<T: Slot>(ray: &Lane, walk: &Walk, slot: T) -> f64 {
         let ahead = (f64::from(slot.distance(ray.field)) - 1.0) * ray.all.inverse();
         let beside = f64::from(slot.distance(0)) - 1.0;
-        let moves_aside = ray.sides.inverse() > 0.0;
+        let moves_aside = ray.sides.inverse().is_finite();
         walk.t + if moves_aside { lesser(ahead, beside * ray.sides.inverse()) } else { ahead }
     }
 }

@@ -23,8 +23,6 @@ pub mod printed;
 pub mod region;
 mod slot;
 mod table;
-#[cfg(test)]
-mod tests;
 
 pub use chessboard::Chessboard;
 pub use clouds::ProximityClouds;
@@ -106,3 +104,6 @@ pub trait Method: Send + Sync + 'static {
     /// `None` is for speed alone: whether there is anything to leap over is known from the slot, long before where to.
     fn safe_until<T: Slot>(ray: &Self::Ray, walk: &Walk, slots: &[T], slot: T) -> Option<f64>;
 }
+
+#[cfg(test)]
+mod tests;

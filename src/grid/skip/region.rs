@@ -12,9 +12,9 @@ use crate::ray::lesser;
 /// between, and it is empty.
 #[derive(Clone, Copy, Debug)]
 pub struct Diamond {
-    /// One over the ray's city-block length for each unit of `t`; 0 if it does not move along these axes.
+    /// One over the ray's city-block length for each unit of `t`; infinite if it does not move along these axes.
     inverse: f64,
-    /// Sum of the origin's coordinates.
+    /// Sum of the origin's coordinates; minus infinity if the ray does not move along these axes.
     origin: f64,
 }
 
@@ -29,14 +29,10 @@ impl Diamond {
                 origin += walk.origin[axis];
             }
         }
-        if length > 0.0 {
-            Self { inverse: 1.0 / length, origin }
-        } else {
-            Self { inverse: 0.0, origin: f64::NEG_INFINITY }
-        }
+        Self { inverse: 1.0 / length, origin: if length > 0.0 { origin } else { f64::NEG_INFINITY } }
     }
 
-    /// City-block length for each unit of `t`, over one.
+    /// One over the city-block length for each unit of `t`; infinite if the ray does not move along these axes.
     #[inline(always)]
     pub fn inverse(&self) -> f64 {
         self.inverse
@@ -46,12 +42,11 @@ impl Diamond {
     /// `corner`; infinite if it does not move along them.
     #[inline(always)]
     pub fn end(&self, distance: u32, corner: f64) -> f64 {
-        // Without movement: infinity times zero is told apart here, outside the hot path of the other methods.
-        if self.inverse == 0.0 { f64::INFINITY } else { (f64::from(distance) + corner - self.origin) * self.inverse }
+        (f64::from(distance) + corner - self.origin) * self.inverse
     }
 }
 
-/// The coordinates of the walk's voxel along an axis; 0 if the ray does not move along it.
+/// The coordinate of the walk's voxel along an axis; 0 if the ray does not move along it.
 #[inline(always)]
 pub fn coordinate(walk: &Walk, axis: usize) -> f64 {
     walk.plane[axis] - 1.0

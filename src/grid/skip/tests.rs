@@ -3,6 +3,7 @@
 
 use super::distance::{chebyshev_octants, city_block, city_block_octants};
 use super::*;
+use crate::geometry::tests::Random;
 use crate::grid::cells::Cells;
 use crate::grid::frame::Frame;
 use crate::grid::occupancy::Occupancy;
@@ -11,27 +12,6 @@ use crate::grid::walk::{Start, VoxelWalk, Walk};
 use crate::ray::{Aabb, Ray};
 use glam::Vec3;
 
-/// A generator of its own (xorshift64*), so that these tests need no feature.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
-    }
-
-    /// 0 to 1.
-    fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / 16_777_216.0
-    }
-
-    fn in_cube(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-}
-
 fn occupancy(random: &mut Random, resolution: [usize; 3], share: f32) -> Occupancy {
     let voxels = resolution.iter().product();
     Occupancy { resolution, filled: (0..voxels).map(|_| random.unit() < share).collect() }
@@ -39,7 +19,7 @@ fn occupancy(random: &mut Random, resolution: [usize; 3], share: f32) -> Occupan
 
 /// Sizes and shares of filled voxels, from none to all.
 fn cases() -> Vec<Occupancy> {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut cases = Vec::new();
     for resolution in [[9, 7, 8], [1, 12, 5], [16, 1, 1], [6, 13, 2], [1, 1, 1]] {
         for share in [0.0, 0.01, 0.05, 0.3, 1.0] {
@@ -182,7 +162,7 @@ fn two_masks(o: &Occupancy) -> Vec<u8> {
 
 #[test]
 fn sweeps_find_what_the_two_mask_passes_find() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     for o in cases()
         .into_iter()
         .chain([occupancy(&mut random, [70, 40, 33], 1e-4), occupancy(&mut random, [300, 2, 3], 0.002)])
@@ -193,7 +173,7 @@ fn sweeps_find_what_the_two_mask_passes_find() {
 
 #[test]
 fn distances_saturate() {
-    let mut o = occupancy(&mut Random(3), [700, 1, 2], 0.0);
+    let mut o = occupancy(&mut Random::new(3), [700, 1, 2], 0.0);
     o.filled[0] = true;
     let expected = |v: usize| nearest(offsets(&o, v).map(l1));
     let (clouds, cubes) = (city_block(&o), chebyshev_octants(&o));
@@ -277,7 +257,7 @@ fn rays(random: &mut Random, o: &Occupancy, count: usize) -> Vec<Ray> {
 
 /// Grids on which leaps are long and short.
 fn scenes() -> Vec<Occupancy> {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let mut scenes: Vec<Occupancy> =
         [0.0005, 0.01, 0.2].iter().map(|&s| occupancy(&mut random, [40, 30, 50], s)).collect();
     // A hollow ball: rays run inside and along it.
@@ -291,7 +271,7 @@ fn scenes() -> Vec<Occupancy> {
 }
 
 fn leaps_are_safe<M: Method, T: Slot>(options: &SkipOptions) {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let (mut walked, mut leapt) = (0, 0);
     for o in scenes() {
         let (frame, plain, table) = (frame(&o), NoSkip(cells(&o)), table::<M, T>(&o, options));
@@ -330,7 +310,7 @@ fn leaps_pass_over_no_filled_voxel() {
 }
 
 fn leaps_end<M: Method>() {
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     for o in scenes() {
         // Around the origin, which rays from the far ends of f32 still meet.
         let resolution = o.resolution.map(|n| n as u32);
@@ -366,7 +346,7 @@ fn leaps_from_far_origins_end() {
 
 /// Share of the rays whose first filled voxel is wrong by the printed rule.
 fn printed_faults<M: PrintedRule>(threshold: u8) -> f64 {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let (mut wrong, mut all) = (0, 0);
     for o in scenes() {
         let table = table::<M, M::Slot>(&o, &SkipOptions { threshold, ..SkipOptions::default() });
@@ -394,7 +374,7 @@ fn the_printed_landing_loses_voxels() {
 
 #[test]
 fn a_grid_without_an_empty_voxel_has_no_distances() {
-    let o = occupancy(&mut Random(7), [5, 4, 3], 1.0);
+    let o = occupancy(&mut Random::new(7), [5, 4, 3], 1.0);
     let full = table::<DirectedSafeZones, Eight>(&o, &SkipOptions::default());
     assert_eq!(full.describe(), "directed safe zones left out: no voxel is empty");
     assert_eq!((full.empty(), full.references()), (0, 60));

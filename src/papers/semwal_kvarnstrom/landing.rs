@@ -3,8 +3,8 @@
 //! A leap of D - 1 city-block units can pass over a filled voxel. The answer is wrong only if the primitive that is hit
 //! stands in no voxel that is still visited: large primitives hide the fault, boxes of one voxel show all of it.
 
+use super::super::PLAIN;
 use super::super::trace::{ask, check};
-use super::PLAIN;
 use crate::error::Result;
 use crate::random::Random;
 use crate::ray::Ray;

@@ -8,9 +8,9 @@ mod views;
 
 pub use views::SETTINGS;
 
-use super::Watch;
 use super::plot::{Dots, Panel, Plot};
 use super::report::Report;
+use super::{PLAIN, Watch};
 use crate::error::{Error, Result};
 use crate::measure::Machine;
 use crate::registry;
@@ -31,9 +31,6 @@ pub struct Options {
     /// Some of the names in [`SETTINGS`]; empty: all.
     pub scenes: Vec<String>,
 }
-
-/// The measure of all methods: the walk without skips, the paper's SEADS.
-pub(super) const PLAIN: &str = "grid";
 
 /// The methods that are compared unless told otherwise: the paper's, its announced ones, and modern rivals.
 pub const METHODS: [&str; 10] = [

@@ -1,10 +1,10 @@
 //! The measured numbers: every scene, grid size, view and method.
 
-use super::super::Watch;
 use super::super::trace::{Asked, Cost, check, costs, record, thinned};
+use super::super::{PLAIN, Watch, plain_first};
+use super::Options;
 use super::landing::{self, Landing};
 use super::views::{SETTINGS, Setting, VIEWS};
-use super::{Options, PLAIN};
 use crate::accel::{Accel, Memory};
 use crate::error::Result;
 use crate::geometry::Geometry;
@@ -99,8 +99,8 @@ impl Study {
     /// # Errors
     /// As [`super::run`].
     pub fn measure(options: &Options, watch: &Watch) -> Result<Self> {
-        let mut study = Study { methods: vec![PLAIN.to_string()], grids: options.grids.clone(), ..Study::default() };
-        study.methods.extend(options.accels.iter().filter(|a| *a != PLAIN).cloned());
+        let methods = plain_first(&options.accels);
+        let mut study = Study { methods, grids: options.grids.clone(), ..Study::default() };
         study.grids.sort_unstable();
         study.grids.dedup();
         let wanted = |s: &&Setting| options.scenes.is_empty() || options.scenes.iter().any(|name| name == s.name);
@@ -109,7 +109,7 @@ impl Study {
         for (s, setting) in settings.into_iter().enumerate() {
             let scene = setting.scene()?;
             study.scenes.push(setting.name);
-            study.primitives.push(scene.triangle_count() + scene.spheres.len() as u32);
+            study.primitives.push(scene.primitive_count());
             let pictures = pictures(setting, &scene, options.size)?;
             for g in 0..study.grids.len() {
                 let grid = study.grids[g];
@@ -252,7 +252,7 @@ fn pictures(setting: &Setting, scene: &Scene, size: u32) -> Result<Vec<Vec<Asked
 /// A sample of the rays, so that it takes about 2^24 tests a round.
 fn brute(scene: &Scene, asked: &[Asked], options: &Options) -> Result<Brute> {
     let brute = scene.accel("brute")?;
-    let primitives = (scene.triangle_count() as usize + scene.spheres.len()).max(1);
+    let primitives = scene.primitive_count().max(1) as usize;
     let sample = thinned(asked, (1 << 24) / primitives);
     let cost = costs(&sample, &[&*brute], options.rounds.min(3))[0];
     let (some, rays) = (sample.len() as u64, asked.len() as u64);
