@@ -1,5 +1,6 @@
 //! Every accelerator by name, one entry each; parses specifications such as `grid:density=4,mailbox=on`.
 
+mod bsp;
 mod spec;
 
 pub use spec::Spec;
@@ -93,6 +94,7 @@ pub const ENTRIES: &[Entry] = &[
         options: SKIP_OPTIONS,
         source: "after Es & Isler 2007 and Deakin & Knackstedt 2020",
     },
+    bsp::ENTRY,
     #[cfg(feature = "obvhs")]
     Entry {
         name: "obvhs-bvh2",
@@ -148,6 +150,7 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
         "grid-dsz24" => skip_grid::<_, DirectedSafeZones24>(spec, geometry)?,
         "grid-chessboard" => skip_grid::<_, Chessboard>(spec, geometry)?,
         "grid-octant" => skip_grid::<_, Octants>(spec, geometry)?,
+        "bsp" => bsp::build(spec, geometry)?,
         #[cfg(feature = "obvhs")]
         "obvhs-bvh2" => {
             let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
@@ -289,6 +292,13 @@ mod tests {
             ("grid-clouds:distances=log", "linear|log2|half"),
             ("grid-octant:landing=paper", "unknown option `landing`"),
             ("grid-dsz:landing=paper,distances=log2", "linear distances only"),
+            ("bsp:listing=midpoint,planes=sah", "listing=midpoint is for planes=midpoint alone"),
+            ("bsp:walk=climb,planes=oblique", "planes=midpoint alone"),
+            ("bsp:walk=retraverse,listing=interval", "walk=partition alone"),
+            ("bsp:planes=best", "midpoint|sah|oblique"),
+            ("bsp:leaf=0", "leaf"),
+            ("bsp:depth=61", "depth"),
+            ("bsp:density=2", "unknown option `density`"),
             ("", "name"),
         ] {
             let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };
