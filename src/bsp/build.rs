@@ -5,7 +5,7 @@ use super::Interval;
 use super::frame::{Frame, SIZE};
 use super::nodes::{NIL, Node, Nodes, Planes};
 use super::options::{BspOptions, Choice};
-use super::reference::{Extent, Reference, Sorter};
+use super::reference::{Extent, Of, Reference, Sorter};
 use super::tree::{AnyPlane, AxisPlane};
 use super::walk::Partition;
 use crate::error::{Error, Result};
@@ -50,7 +50,17 @@ fn planted<G: Geometry, P: Planes>(geometry: G, options: &BspOptions) -> Result<
         }
     }
     let frame = Frame::new(&bounds);
-    let nodes = grown(&geometry, &frame, count, options)?;
+    let sorter = Sorter { shapes: &Of(&geometry), frame: &frame };
+    let mut builder = Builder::new(sorter, count, options);
+    let mut references = builder.room(count as usize)?;
+    for prim in 0..geometry.len() {
+        let b = geometry.bounds(prim);
+        if !b.is_empty() {
+            let part = Extent { min: frame.local(b.min.as_dvec3()), max: frame.local(b.max.as_dvec3()) };
+            references.push(Reference { prim, part });
+        }
+    }
+    let nodes = builder.tree(references)?;
     let ignored = geometry.len() - count;
     let form = PhantomData;
     Ok(Bsp { geometry, frame, shape: nodes.shape(), nodes, planes: options.planes, bounds, ignored, form })
@@ -63,28 +73,6 @@ const BARREN: u32 = 3;
 /// References that splitting may add, for each primitive and in all.
 const SPARE: (u64, u64) = (16, 1024);
 
-fn grown<G: Geometry>(geometry: &G, frame: &Frame, count: u32, options: &BspOptions) -> Result<Nodes> {
-    let mut builder = Builder {
-        sorter: Sorter { geometry, frame },
-        options,
-        levels: options.levels(count as usize),
-        nodes: Nodes::default(),
-        in_flight: 0,
-    };
-    let mut references = builder.room(count as usize)?;
-    for prim in 0..geometry.len() {
-        let b = geometry.bounds(prim);
-        if !b.is_empty() {
-            let part = Extent { min: frame.local(b.min.as_dvec3()), max: frame.local(b.max.as_dvec3()) };
-            references.push(Reference { prim, part });
-        }
-    }
-    let whole = Extent { min: DVec3::ZERO, max: DVec3::splat(SIZE) };
-    let spare = SPARE.0 * u64::from(count) + SPARE.1;
-    builder.subtree(references, &whole, Level { depth: 0, barren: 0, spare })?;
-    Ok(builder.nodes)
-}
-
 /// Where in the tree a cell is.
 #[derive(Clone, Copy)]
 struct Level {
@@ -95,16 +83,38 @@ struct Level {
     spare: u64,
 }
 
-struct Builder<'a, G> {
-    sorter: Sorter<'a, G>,
+/// A cell parted in two.
+struct Split {
+    plane: AnyPlane,
+    sides: [Vec<Reference>; 2],
+    below: [Level; 2],
+}
+
+struct Builder<'a> {
+    sorter: Sorter<'a>,
     options: &'a BspOptions,
+    count: u32,
     levels: u32,
     nodes: Nodes,
     /// Bytes of lists of references.
     in_flight: u64,
 }
 
-impl<G: Geometry> Builder<'_, G> {
+impl<'a> Builder<'a> {
+    /// For a tree of `count` primitives.
+    fn new(sorter: Sorter<'a>, count: u32, options: &'a BspOptions) -> Self {
+        let levels = options.levels(count as usize);
+        Self { sorter, options, count, levels, nodes: Nodes::default(), in_flight: 0 }
+    }
+
+    /// The tree of the references, which come from [`Builder::room`].
+    fn tree(mut self, references: Vec<Reference>) -> Result<Nodes> {
+        let whole = Extent { min: DVec3::ZERO, max: DVec3::splat(SIZE) };
+        let spare = SPARE.0 * u64::from(self.count) + SPARE.1;
+        self.subtree(references, &whole, Level { depth: 0, barren: 0, spare })?;
+        Ok(self.nodes)
+    }
+
     /// Adds the subtree of a cell, children behind parents; gives its index.
     fn subtree(&mut self, references: Vec<Reference>, cell: &Extent, level: Level) -> Result<u32> {
         if references.is_empty() {
@@ -112,7 +122,7 @@ impl<G: Geometry> Builder<'_, G> {
         }
         self.within_budget(1, references.len())?;
         let index = self.nodes.all.len() as u32;
-        let Some((plane, children, below)) = self.split(&references, cell, level)? else {
+        let Some(Split { plane, sides, below }) = self.split(&references, cell, level)? else {
             let from = self.nodes.prims.len() as u32;
             self.nodes.prims.extend(references.iter().map(|r| r.prim));
             self.nodes.all.push(Node::leaf(from, self.nodes.prims.len() as u32));
@@ -127,7 +137,7 @@ impl<G: Geometry> Builder<'_, G> {
             AnyPlane::Oblique(_) => [*cell, *cell],
         };
         let mut links = [NIL; 2];
-        for (side, list) in children.into_iter().enumerate() {
+        for (side, list) in sides.into_iter().enumerate() {
             links[side] = self.subtree(list, &cells[side], below[side])?;
         }
         self.nodes.all[index as usize] = Node::inner(&plane, links, &mut self.nodes.oblique);
@@ -135,13 +145,7 @@ impl<G: Geometry> Builder<'_, G> {
     }
 
     /// The plane and the lists of both sides, or `None` if the cell is to be a leaf.
-    #[allow(clippy::type_complexity, reason = "named nowhere else")]
-    fn split(
-        &mut self,
-        references: &[Reference],
-        cell: &Extent,
-        level: Level,
-    ) -> Result<Option<(AnyPlane, [Vec<Reference>; 2], [Level; 2])>> {
+    fn split(&mut self, references: &[Reference], cell: &Extent, level: Level) -> Result<Option<Split>> {
         let all = references.len();
         if all <= self.options.leaf as usize || level.depth >= self.levels {
             return Ok(None);
@@ -175,7 +179,7 @@ impl<G: Geometry> Builder<'_, G> {
             side.shrink_to_fit();
             self.in_flight -= bytes(before - side.capacity());
         }
-        Ok(Some((plane, sides, below)))
+        Ok(Some(Split { plane, sides, below }))
     }
 
     /// An empty list with room for `len` references, which count as memory until [`Builder::release`].
@@ -210,7 +214,7 @@ impl<G: Geometry> Builder<'_, G> {
     }
 
     fn too_large(&self, nodes: usize, references: usize, why: &str) -> Error {
-        let (count, so_far) = (self.sorter.geometry.len(), self.nodes.all.len());
+        let (count, so_far) = (self.count, self.nodes.all.len());
         Error::TooLarge {
             what: format!("bsp tree of {count} primitives with {so_far} nodes so far{why}"),
             wanted: self.wanted(nodes, references),

@@ -4,7 +4,6 @@ use super::frame::PADDING;
 use super::options::Choice;
 use super::reference::{Extent, Reference, Sorter};
 use super::tree::{AnyPlane, AxisPlane, Oblique};
-use crate::geometry::Geometry;
 use glam::DVec3;
 
 /// What a test of a primitive costs, in visits of a node.
@@ -32,7 +31,7 @@ const DIRECTIONS: [DVec3; 9] = {
     ]
 };
 
-impl<G: Geometry> Sorter<'_, G> {
+impl Sorter<'_> {
     /// The plane for the references of a cell at a depth, or `None` if splitting does not pay.
     pub fn choose(&self, choice: Choice, references: &[Reference], cell: &Extent, depth: u32) -> Option<AnyPlane> {
         match choice {

@@ -189,10 +189,12 @@ mod tests {
     }
 
     fn soup(random: &mut Random) -> Vec<[Vec3; 3]> {
+        // A cloud, and within it a much denser one.
         (0..300)
-            .map(|_| {
-                let place = random.direction() * random.unit();
-                let mut corner = || (place + 0.05 * random.direction()).as_vec3();
+            .map(|i| {
+                let size = [1.0, 0.01][i % 2];
+                let place = size * random.unit() * random.direction();
+                let mut corner = || (place + 0.05 * size * random.direction()).as_vec3();
                 [corner(), corner(), corner()]
             })
             .collect()
@@ -204,11 +206,11 @@ mod tests {
         let set = soup(&mut random);
         for options in [BspOptions::default(), BspOptions { leaf: 1, depth: Some(60), ..BspOptions::default() }] {
             let tree = Bsp::build(&set, &options).expect("a tree");
-            assert!(tree.shape.nil > 100, "{:?}", tree.shape);
+            assert!(tree.shape.nil > 50, "{:?}", tree.shape);
             let (mut met, mut empty) = (0, 0);
             for _ in 0..500 {
-                let origin = 2.0 * random.direction();
-                let ray = Ray::new(origin.as_vec3(), (random.direction() - origin).as_vec3());
+                let origin = random.direction() * [2.0, 0.02][random.below(2)];
+                let ray = Ray::new(origin.as_vec3(), (0.5 * random.unit() * random.direction() - origin).as_vec3());
                 let Start::Inside(line) = Line::start(&tree.frame, &ray) else { continue };
                 let kept = Kept::<AxisPlane>::new(&tree.nodes);
                 let mut trails = [(); 5].map(|()| Trail::default());
@@ -225,7 +227,7 @@ mod tests {
                 met += trails[0].leaves.len();
                 empty += trails[0].leaves.iter().filter(|leaf| leaf.is_none()).count();
             }
-            assert!(met > 5000 && empty > 1000, "{met} leaves, {empty} of them NIL");
+            assert!(met > 5000 && empty > 500, "{met} leaves, {empty} of them NIL");
         }
     }
 

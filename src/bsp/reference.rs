@@ -46,13 +46,36 @@ pub struct Reference {
     pub part: Extent,
 }
 
+/// What the builder asks of a geometry, behind a pointer, so that it is compiled once for all of them.
+pub trait Shapes {
+    /// See [`Geometry::overlaps`].
+    fn overlaps(&self, prim: u32, cell: &Cell) -> bool;
+
+    /// See [`Geometry::triangle`].
+    fn triangle(&self, prim: u32) -> Option<Triangle>;
+}
+
+/// The shapes of a geometry.
+pub struct Of<'a, G>(pub &'a G);
+
+impl<G: Geometry> Shapes for Of<'_, G> {
+    fn overlaps(&self, prim: u32, cell: &Cell) -> bool {
+        self.0.overlaps(prim, cell)
+    }
+
+    fn triangle(&self, prim: u32) -> Option<Triangle> {
+        self.0.triangle(prim)
+    }
+}
+
 /// Sorts references into the two cells that a plane makes of one.
-pub struct Sorter<'a, G> {
-    pub geometry: &'a G,
+#[derive(Clone, Copy)]
+pub struct Sorter<'a> {
+    pub shapes: &'a dyn Shapes,
     pub frame: &'a Frame,
 }
 
-impl<G: Geometry> Sorter<'_, G> {
+impl Sorter<'_> {
     /// The reference's parts on the low and the high side of `plane`, in the box `cell`; `None` where there is certainly
     /// nothing within [`PADDING`] of that side.
     ///
@@ -83,7 +106,7 @@ impl<G: Geometry> Sorter<'_, G> {
         let Extent { min, max } = reference.part;
         let (middle, half) = (plane.normal.dot(0.5 * (min + max)), plane.normal.abs().dot(0.5 * (max - min)));
         let (mut low, mut high) = (middle - half, middle + half);
-        if let Some(triangle) = self.geometry.triangle(reference.prim) {
+        if let Some(triangle) = self.shapes.triangle(reference.prim) {
             let at = triangle.map(|p| plane.normal.dot(self.frame.local(p.as_dvec3())));
             low = low.max(at[0].min(at[1]).min(at[2]));
             high = high.min(at[0].max(at[1]).max(at[2]));
@@ -97,7 +120,7 @@ impl<G: Geometry> Sorter<'_, G> {
             return None;
         }
         let prim = reference.prim;
-        match self.geometry.triangle(prim) {
+        match self.shapes.triangle(prim) {
             Some(triangle) => {
                 let clipped = self.clip(&triangle, cell)?;
                 // Both hold it.
@@ -108,7 +131,7 @@ impl<G: Geometry> Sorter<'_, G> {
             }
             None => {
                 let world = Cell { min: self.frame.world(cell.min), max: self.frame.world(cell.max) };
-                self.geometry.overlaps(prim, &world).then_some(Reference { prim, part })
+                self.shapes.overlaps(prim, &world).then_some(Reference { prim, part })
             }
         }
     }
@@ -173,7 +196,7 @@ mod tests {
             let place = 0.9 * random.direction();
             let mut corner = || (place + size * 0.1 * random.direction()).as_vec3();
             let set = vec![[corner(), corner(), corner()]];
-            let sorter = Sorter { geometry: &set, frame: &frame };
+            let sorter = Sorter { shapes: &Of(&set), frame: &frame };
             let bounds = set.bounds(0);
             let part = Extent { min: frame.local(bounds.min.as_dvec3()), max: frame.local(bounds.max.as_dvec3()) };
             let mut level = vec![(Reference { prim: 0, part }, whole)];
@@ -232,7 +255,7 @@ mod tests {
             let at = normal.dot(frame.local(DVec3::new(x, 0.0, 0.0)));
             AnyPlane::Oblique(Oblique { normal, at })
         };
-        let sorter = Sorter { geometry: &set, frame: &frame };
+        let sorter = Sorter { shapes: &Of(&set), frame: &frame };
         let part = Extent { min: frame.local(DVec3::ZERO), max: frame.local(DVec3::new(0.9, 0.9, 0.5)) };
         let sides = |x: f64| sorter.parts(&Reference { prim: 0, part }, &plane(x), &part).map(|side| side.is_some());
         assert_eq!(sides(1.0), [true, false]);
