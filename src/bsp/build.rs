@@ -131,11 +131,7 @@ impl<'a> Builder<'a> {
         };
         self.release(references);
         self.nodes.all.push(Node::leaf(0, 0));
-        let cells = match &plane {
-            AnyPlane::Axis(AxisPlane { axis, at }) => cell.halves(*axis as usize, f64::from(*at)),
-            // A box around each side: what the plane cuts off is not known to it.
-            AnyPlane::Oblique(_) => [*cell, *cell],
-        };
+        let cells = cell.sides(&plane, 0.0);
         let mut links = [NIL; 2];
         for (side, list) in sides.into_iter().enumerate() {
             links[side] = self.subtree(list, &cells[side], below[side])?;
@@ -155,7 +151,7 @@ impl<'a> Builder<'a> {
         };
         let mut sides = [self.room(all)?, self.room(all)?];
         for reference in references {
-            let parts = self.sorter.parts(reference, &plane, cell);
+            let parts = self.sorter.parts(reference, &plane);
             for (side, part) in sides.iter_mut().zip(parts) {
                 side.extend(part);
             }

@@ -78,6 +78,25 @@ pub enum AnyPlane {
     Oblique(Oblique),
 }
 
+impl AnyPlane {
+    /// A point's product with the normal.
+    #[inline]
+    pub(super) fn product(&self, p: DVec3) -> f64 {
+        match self {
+            AnyPlane::Axis(plane) => p[plane.axis as usize],
+            AnyPlane::Oblique(plane) => plane.normal.dot(p),
+        }
+    }
+
+    /// The product of the plane's own points.
+    pub(super) fn at(&self) -> f64 {
+        match self {
+            AnyPlane::Axis(plane) => f64::from(plane.at),
+            AnyPlane::Oblique(plane) => plane.at,
+        }
+    }
+}
+
 impl Plane for AnyPlane {
     #[inline(always)]
     fn cross(&self, line: &Line, point: &[f64; 4]) -> (usize, f64) {

@@ -8,6 +8,7 @@ use crate::geometry::Geometry;
 use crate::measure::rounds::build;
 use crate::papers::report::{Cell, Table};
 use crate::papers::trace::{Asked, Cost, Origin, costs, record, thinned};
+use crate::ray::Ray;
 use crate::scene::{LoadOptions, Scene, SceneGeometry, load};
 
 /// One scene under all accelerators.
@@ -40,10 +41,10 @@ pub(super) fn measure(spec: &str, specs: &[String], options: &Options) -> Result
     let asked = thinned(&record(&scene, accels[0], options.size)?, options.most);
     let costs = costs(&asked, &accels, options.rounds);
     let mut entries = Vec::new();
-    for (((accel, (built, milliseconds)), cost), spec) in specs.iter().zip(&built).zip(costs).zip(specs) {
-        let leaves = leaves(&scene, spec, &asked)?;
-        let memory = built.memory();
-        entries.push(Entry { accel: accel.clone(), milliseconds: *milliseconds, memory, cost, leaves });
+    for ((name, (accel, milliseconds)), cost) in specs.iter().zip(&built).zip(costs) {
+        let leaves = leaves(&scene, name, &asked)?;
+        let (accel, memory) = (name.clone(), accel.memory());
+        entries.push(Entry { accel, milliseconds: *milliseconds, memory, cost, leaves });
     }
     Ok(Measured { scene: spec.to_string(), primitives: scene.primitive_count(), rays: asked.len() as u64, entries })
 }
@@ -81,23 +82,25 @@ fn leaves_of<G: Geometry>(geometry: G, planes: Choice, asked: &[Asked]) -> Resul
     let mut leaves = Leaves::default();
     if planes == Choice::Oblique {
         let tree = Bsp::build_oblique(geometry, &options)?;
-        for Asked { ray, origin, .. } in asked {
-            match origin {
-                Origin::Shadow => _ = tree.any_hit_with(ray, &mut leaves),
-                Origin::Primary | Origin::Secondary => _ = tree.closest_hit_with(ray, &mut leaves),
-            }
-        }
+        each(asked, |ray, any| match any {
+            true => _ = tree.any_hit_with(ray, &mut leaves),
+            false => _ = tree.closest_hit_with(ray, &mut leaves),
+        });
     } else {
         let tree = Bsp::build(geometry, &options)?;
-        for Asked { ray, origin, .. } in asked {
-            match origin {
-                Origin::Shadow => _ = tree.any_hit_with(ray, &mut leaves),
-                Origin::Primary | Origin::Secondary => _ = tree.closest_hit_with(ray, &mut leaves),
-            }
-        }
+        each(asked, |ray, any| match any {
+            true => _ = tree.any_hit_with(ray, &mut leaves),
+            false => _ = tree.closest_hit_with(ray, &mut leaves),
+        });
     }
     Ok(leaves.0 as f64 / asked.len() as f64)
 }
+
+/// Every ray, and whether any hit will do.
+fn each(asked: &[Asked], mut query: impl FnMut(&Ray, bool)) {
+    asked.iter().for_each(|asked| query(&asked.ray, asked.origin == Origin::Shadow));
+}
+
 pub(super) fn table(measured: &[Measured]) -> Table {
     let mut table = Table::new(
         "scenes",
