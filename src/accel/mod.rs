@@ -3,11 +3,13 @@
 mod brute;
 mod budget;
 mod probe;
+mod shadows;
 
 pub use brute::BruteForce;
 pub(crate) use brute::{scan_all, scan_any};
 pub(crate) use budget::default_budget;
 pub use probe::{Counts, Probe};
+pub use shadows::{PointShadows, Shadow};
 
 use crate::ray::{Aabb, Ray};
 use std::sync::Arc;

@@ -62,6 +62,11 @@ pub trait Geometry: Send + Sync {
     fn triangle(&self, _prim: u32) -> Option<Triangle> {
         None
     }
+
+    /// The sphere if `prim` is one.
+    fn sphere(&self, _prim: u32) -> Option<Sphere> {
+        None
+    }
 }
 
 /// Index of "no primitive".
@@ -149,6 +154,8 @@ macro_rules! forward_geometry {
             fn overlaps(&self, prim: u32, cell: &Cell) -> bool { (**self).overlaps(prim, cell) }
             #[inline]
             fn triangle(&self, prim: u32) -> Option<Triangle> { (**self).triangle(prim) }
+            #[inline]
+            fn sphere(&self, prim: u32) -> Option<Sphere> { (**self).sphere(prim) }
         }
     )*};
 }
@@ -187,5 +194,9 @@ where
     #[inline]
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         self.as_slice().triangle(prim)
+    }
+    #[inline]
+    fn sphere(&self, prim: u32) -> Option<Sphere> {
+        self.as_slice().sphere(prim)
     }
 }

@@ -19,6 +19,7 @@ mod mailbox;
 mod occupancy;
 mod options;
 mod parallel;
+mod shadow;
 pub mod skip;
 mod voxelise;
 mod voxels;
@@ -27,6 +28,7 @@ mod walk_branchless;
 mod walk_integer;
 
 pub use options::GridOptions;
+pub use shadow::ShadowVoxels;
 pub use voxels::{Face, VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;
 pub use walk_branchless::Branchless;
