@@ -20,14 +20,17 @@ mod occupancy;
 mod options;
 mod parallel;
 pub mod skip;
+mod solid;
 mod voxelise;
 mod voxels;
 mod walk;
 mod walk_branchless;
 mod walk_integer;
 
+pub use crate::geometry::Face;
 pub use options::GridOptions;
-pub use voxels::{Face, VoxelGrid, VoxelVisit, VoxelVisits};
+pub use solid::{SolidGrid, SolidOptions};
+pub use voxels::{VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;
 pub use walk_branchless::Branchless;
 pub use walk_integer::IntegerWalk;
