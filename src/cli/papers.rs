@@ -6,7 +6,7 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, semwal_kvarnstrom, spd};
+use crate::papers::{Report, amanatides_woo, dda, semwal_kvarnstrom, spd};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,7 @@ enum Paper {
     AmanatidesWoo(AmanatidesWoo),
     SemwalKvarnstrom(SemwalKvarnstrom),
     Spd(Spd),
+    Dda(Dda),
 }
 
 /// Amanatides & Woo 1987: tests per ray with and without rayID, time against subdivision
@@ -80,6 +81,17 @@ struct Spd {
     /// Voxels a primitive, of grids that do not set it
     #[arg(long, value_name = "F", default_value_t = 20.0)]
     density: f64,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// The article on branchless DDA: solid voxels, branching and branchless, plain and with each skip table
+#[derive(Debug, clap::Args)]
+struct Dda {
+    /// Scene of solid voxels, a .vox or .npy file or one made by formula; give it once for each (voxel-terrain of two sizes)
+    #[arg(long = "scene", value_name = "S")]
+    scenes: Vec<String>,
 
     #[command(flatten)]
     common: Common,
@@ -134,7 +146,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let common = match &args.paper {
         Paper::AmanatidesWoo(AmanatidesWoo { common, .. })
         | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
-        | Paper::Spd(Spd { common, .. }) => common,
+        | Paper::Spd(Spd { common, .. })
+        | Paper::Dda(Dda { common, .. }) => common,
     };
     for file in common.output.iter().chain(&common.svg) {
         check_folder(file)?;
@@ -211,6 +224,14 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
             let (accels, scenes) = (accels(&args.accels, &spd::BVHS), args.scenes.clone());
             let patience = if quick { 0.05 } else { 0.5 };
             spd::run(&spd::Options { size, rounds, density: args.density, accels, scenes, patience }, &watch)
+        }
+        Paper::Dda(args) => {
+            let scenes = match &args.scenes[..] {
+                [] if quick => vec!["voxel-terrain:n=32".to_string()],
+                [] => ["voxel-terrain", "voxel-terrain:n=256"].map(String::from).to_vec(),
+                given => given.to_vec(),
+            };
+            dda::run(&dda::Options { size, rounds, scenes }, &watch)
         }
     };
     bar.finish_and_clear();

@@ -29,7 +29,7 @@ mod walk_integer;
 
 pub use crate::geometry::Face;
 pub use options::GridOptions;
-pub use solid::{SolidGrid, SolidOptions};
+pub use solid::{SolidGrid, SolidOptions, SolidSequence, Unskipped};
 pub use voxels::{VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;
 pub use walk_branchless::Branchless;

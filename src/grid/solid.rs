@@ -38,8 +38,10 @@
 mod build;
 mod faces;
 mod marks;
+mod sequence;
 
 pub use build::SolidOptions;
+pub use sequence::SolidSequence;
 
 use super::frame::Frame;
 use super::skip::{Free, Method, Slot, Table, Voxels};

@@ -4,7 +4,9 @@
 //! all of them answer the same questions in the same order; see [`trace`].
 
 pub mod amanatides_woo;
+pub mod dda;
 pub mod plot;
+pub mod printed_dda;
 pub mod printed_walk;
 pub mod report;
 pub mod semwal_kvarnstrom;
