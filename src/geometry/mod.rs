@@ -71,6 +71,11 @@ pub trait Geometry: Send + Sync {
     fn solid(&self) -> Option<&SolidVoxels> {
         None
     }
+
+    /// The sphere if `prim` is one.
+    fn sphere(&self, _prim: u32) -> Option<Sphere> {
+        None
+    }
 }
 
 /// Index of "no primitive".
@@ -160,6 +165,8 @@ macro_rules! forward_geometry {
             fn triangle(&self, prim: u32) -> Option<Triangle> { (**self).triangle(prim) }
             #[inline]
             fn solid(&self) -> Option<&SolidVoxels> { (**self).solid() }
+            #[inline]
+            fn sphere(&self, prim: u32) -> Option<Sphere> { (**self).sphere(prim) }
         }
     )*};
 }
@@ -198,5 +205,9 @@ where
     #[inline]
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         self.as_slice().triangle(prim)
+    }
+    #[inline]
+    fn sphere(&self, prim: u32) -> Option<Sphere> {
+        self.as_slice().sphere(prim)
     }
 }

@@ -207,7 +207,7 @@ impl Parts {
     #[inline]
     fn corners(&self, prim: u32) -> Triangle {
         let [a, b, c, d] = self.square(prim / 2);
-        if prim % 2 == 0 { [a, b, c] } else { [a, c, d] }
+        if prim.is_multiple_of(2) { [a, b, c] } else { [a, c, d] }
     }
 }
 
@@ -224,8 +224,8 @@ fn planes(resolution: [u32; 3], origin: Vec3, edge: f32) -> Result<[Vec<f32>; 3]
         for k in 0..=resolution[axis] {
             let exact = f64::from(origin[axis]) + f64::from(k) * edge;
             let plane = exact as f32;
-            // False for an infinite plane too.
-            if !((f64::from(plane) - exact).abs() <= SolidVoxels::MAX_DEVIATION * edge) {
+            // Infinitely far off for an infinite plane.
+            if (f64::from(plane) - exact).abs() > SolidVoxels::MAX_DEVIATION * edge {
                 return Err(Error::invalid(format!(
                     "voxels of edge {edge} from {origin} on: plane {k} along {} at {exact} cannot be told apart from its \
                      neighbours in single precision",

@@ -19,6 +19,7 @@ mod mailbox;
 mod occupancy;
 mod options;
 mod parallel;
+mod shadow;
 pub mod skip;
 mod solid;
 mod voxelise;
@@ -29,6 +30,7 @@ mod walk_integer;
 
 pub use crate::geometry::Face;
 pub use options::GridOptions;
+pub use shadow::ShadowVoxels;
 pub use solid::{SolidGrid, SolidOptions, SolidSequence, Unskipped};
 pub use voxels::{VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;

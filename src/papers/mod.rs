@@ -10,6 +10,7 @@ pub mod printed_dda;
 pub mod printed_walk;
 pub mod report;
 pub mod semwal_kvarnstrom;
+pub mod shadow_voxels;
 pub mod spd;
 pub mod trace;
 

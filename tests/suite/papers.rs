@@ -161,7 +161,7 @@ fn walks_over_solid_voxels_answer_as_lists_and_nodes_do() {
     let rows_of = rows(&report, "rays");
     // Three lists, eleven accelerators or ten without BVHs.
     let accels = rows_of.len() / 3;
-    assert!(rows_of.len() % 3 == 0 && (10..=11).contains(&accels), "{}", rows_of.len());
+    assert!(rows_of.len().is_multiple_of(3) && (10..=11).contains(&accels), "{}", rows_of.len());
     for list in rows_of.chunks(accels) {
         let [plain, branchless] = [&list[0], &list[1]];
         assert_eq!((&plain["accelerator"], &plain["leaps/ray"]), (&"voxels".into(), &0.0.into()));
@@ -182,6 +182,23 @@ fn walks_over_solid_voxels_answer_as_lists_and_nodes_do() {
     let printed: Vec<f64> = rows(&report, "printed").iter().map(|row| number(row, "printed")).collect();
     assert!((4750.0..=5250.0).contains(&printed[4]) && printed[5] == 1000.0, "{printed:?}");
     elements(&fs::read_to_string(folder.join("d.svg")).expect("was written"));
+}
+
+#[test]
+fn shadow_voxels_spare_rays_and_change_no_pixel() {
+    let folder = folder("shadow-voxels");
+    let args = ["shadow-voxels", "--quick", "--size", "16", "--scene", "cars", "--scene", "flakes:depth=2"];
+    let report = report(&folder, &[&args[..], &["--svg", "s.svg"]].concat());
+    let rows = rows(&report, "shadow");
+    let lights: Vec<f64> = rows.iter().map(|row| number(row, "lights")).collect();
+    assert_eq!(lights, [1.0, 4.0, 16.0, 1.0, 4.0, 16.0]);
+    for row in rows {
+        assert_eq!(row["wrong pixels"], 0, "{row}");
+        assert!(number(row, "spared %") + number(row, "shortened %") <= 100.0, "{row}");
+        assert!(number(row, "spared %") > 0.0, "{row}");
+    }
+    assert_eq!(verdicts(&report).iter().map(|v| v.0).collect::<Vec<_>>(), ["A11", "A11t"]);
+    elements(&fs::read_to_string(folder.join("s.svg")).expect("was written"));
 }
 
 #[test]

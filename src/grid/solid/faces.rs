@@ -91,8 +91,9 @@ impl Solid {
             if self.apart(position) {
                 continue;
             }
+            let behind = position < self.near && position <= 1.0 - self.near;
             // A position that is no number fails here.
-            if !(position < self.near && position <= 1.0 - self.near) || through.is_some() {
+            if !behind || through.is_some() {
                 return false;
             }
             through = Some(axis);

@@ -57,7 +57,7 @@ fn a_voxel_that_emits_lights_the_others() {
     let settings = Settings { width: 32, height: 32, sampler: Sampler::Sobol(16), max_depth: 2, ..Settings::default() };
     let mean = |scene: &Scene| {
         let film = render(scene, &scene.accel("grid").expect("small"), &settings, &|_, _| ()).expect("a picture");
-        film.sum.iter().map(|s| f64::from(s.x)).sum::<f64>() / film.sum.len() as f64
+        film.sum.iter().map(|s| s.x).sum::<f64>() / film.sum.len() as f64
     };
     let (ours, meshes) = (mean(&scene), mean(&scene.with_meshes()));
     // Faces come in another order, so the noise is another: 1024 pixels of 16 samples.

@@ -96,9 +96,9 @@ impl Mended {
         let closest = self.next.min_element();
         let mask = [self.next.x <= closest, self.next.x > closest];
         self.position = self.origin + self.direction * closest;
-        for axis in 0..2 {
+        for (axis, on) in mask.into_iter().enumerate() {
             let further = self.next[axis] + 1.0 / self.direction[axis].abs();
-            self.next[axis] = if mask[axis] { further } else { self.next[axis] };
+            self.next[axis] = if on { further } else { self.next[axis] };
         }
         self.turn(usize::from(mask[1]));
     }
