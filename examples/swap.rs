@@ -44,7 +44,7 @@ fn main() -> skipgrid::Result<()> {
         .collect();
     let mut pictures = Vec::new();
     // By type it would be `picture(&Grid::build(..)?, ..)`; here the accelerator is chosen at run time.
-    for name in registry::ENTRIES.iter().map(|entry| entry.name) {
+    for name in registry::ENTRIES.iter().filter(|entry| entry.suits(&spheres)).map(|entry| entry.name) {
         let accel: Box<dyn Accel> = registry::build(name, spheres.clone())?;
         pictures.push(picture(&accel, &spheres));
     }

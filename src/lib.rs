@@ -12,6 +12,8 @@ pub mod geometry;
 pub mod grid;
 #[cfg(feature = "render")]
 pub mod measure;
+#[cfg(feature = "scene")]
+mod npy;
 #[cfg(feature = "cli")]
 pub mod papers;
 #[cfg(feature = "picture")]

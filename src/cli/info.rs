@@ -68,6 +68,13 @@ fn facts(scene: &Scene, spec: &str, accel: &dyn Accel, load_ms: f64, build_ms: f
     count("triangles", triangles as usize);
     count("spheres", spheres);
     count("meshes", scene.meshes.len());
+    if let Some(voxels) = scene.voxels() {
+        // Below 2^32.
+        count("solid voxels", voxels.solid_voxels() as usize);
+        let size = voxels.resolution();
+        facts.push(("voxels", size.map(|n| n.to_string()).join(" x "), json!(size)));
+    }
+    let mut count = |name, n: usize| facts.push((name, n.to_string(), json!(n)));
     count("textures", scene.textures.len());
 
     let materials = tally(scene.materials.iter().map(|m| match m.bsdf {
@@ -134,6 +141,7 @@ fn left_out(scene: &Scene, table_bytes: u64) -> Vec<String> {
         SceneGeometry::Triangles(_) => left_out.push("sphere test: the scene has triangles only".to_string()),
         SceneGeometry::Spheres(_) => left_out.push("triangle test: the scene has spheres only".to_string()),
         SceneGeometry::Mixed(_) => {}
+        SceneGeometry::Voxels(_) => left_out.push("sphere test: the scene has voxels only".to_string()),
     }
     if table_bytes == 0 {
         left_out.push("skip table: this accelerator has none".to_string());

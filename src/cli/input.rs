@@ -15,7 +15,7 @@ pub use crate::validate::DEFAULT_ACCELERATORS as DEFAULT_ACCELS;
 /// Which scene, and how it is read.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SceneArgs {
-    /// A .toml, .gltf, .glb, .obj, .tri or .sph file, or a scene made by formula such as `random:n=10000`
+    /// A .toml, .gltf, .glb, .obj, .vox, .npy, .tri or .sph file, or a scene made by formula such as `random:n=10000`
     pub scene: String,
 
     /// Drop primitives with coordinates that are not finite, with a warning, instead of refusing the file

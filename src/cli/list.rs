@@ -23,6 +23,7 @@ const FEATURES: &[(&str, bool, &str)] = &[
     ("obj", cfg!(feature = "obj"), "reads .obj and .mtl"),
     ("obvhs", cfg!(feature = "obvhs"), "the BVHs of the obvhs crate"),
     ("parallel", cfg!(feature = "parallel"), "renders and builds on all cores"),
+    ("vox", cfg!(feature = "vox"), "reads MagicaVoxel's .vox"),
     ("validate", cfg!(feature = "validate"), "compares pictures with other renderers' ones"),
 ];
 

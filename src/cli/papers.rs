@@ -6,7 +6,7 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, arvo, semwal_kvarnstrom, shadow_voxels, spd};
+use crate::papers::{Report, amanatides_woo, arvo, dda, semwal_kvarnstrom, shadow_voxels, spd};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -37,6 +37,7 @@ enum Paper {
     SemwalKvarnstrom(SemwalKvarnstrom),
     ShadowVoxels(ShadowVoxels),
     Spd(Spd),
+    Dda(Dda),
 }
 
 /// Amanatides & Woo 1987: tests per ray with and without rayID, time against subdivision
@@ -122,6 +123,17 @@ struct Spd {
     common: Common,
 }
 
+/// The article on branchless DDA: solid voxels, branching and branchless, plain and with each skip table
+#[derive(Debug, clap::Args)]
+struct Dda {
+    /// Scene of solid voxels, a .vox or .npy file or one made by formula; give it once for each (voxel-terrain of two sizes)
+    #[arg(long = "scene", value_name = "S")]
+    scenes: Vec<String>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
 #[derive(Debug, clap::Args)]
 struct Common {
     /// Rows and columns of the pictures (192; 48 with --quick)
@@ -173,7 +185,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         | Paper::Arvo(Arvo { common, .. })
         | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
         | Paper::ShadowVoxels(ShadowVoxels { common, .. })
-        | Paper::Spd(Spd { common, .. }) => common,
+        | Paper::Spd(Spd { common, .. })
+        | Paper::Dda(Dda { common, .. }) => common,
     };
     for file in common.output.iter().chain(&common.svg) {
         check_folder(file)?;
@@ -266,6 +279,14 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
             let (accels, scenes) = (accels(&args.accels, &spd::BVHS), args.scenes.clone());
             let patience = if quick { 0.05 } else { 0.5 };
             spd::run(&spd::Options { size, rounds, density: args.density, accels, scenes, patience }, &watch)
+        }
+        Paper::Dda(args) => {
+            let scenes = match &args.scenes[..] {
+                [] if quick => vec!["voxel-terrain:n=32".to_string()],
+                [] => ["voxel-terrain", "voxel-terrain:n=256"].map(String::from).to_vec(),
+                given => given.to_vec(),
+            };
+            dda::run(&dda::Options { size, rounds, scenes }, &watch)
         }
     };
     bar.finish_and_clear();

@@ -5,15 +5,19 @@
 
 mod exact;
 pub(crate) mod expansion;
+mod face;
 mod indexed;
 mod mixed;
+mod solid;
 mod sphere;
 #[cfg(test)]
 pub(crate) mod tests;
 mod triangle;
 
+pub use face::Face;
 pub use indexed::IndexedTriangles;
 pub use mixed::Mixed;
+pub use solid::SolidVoxels;
 pub use sphere::{Sphere, SpherePrep};
 pub use triangle::{Triangle, TrianglePrep};
 
@@ -22,7 +26,7 @@ use std::sync::Arc;
 
 /// A set of primitives addressed by index `0..len`.
 ///
-/// Slices and vectors of [`Triangle`] or [`Sphere`] are sets, and [`IndexedTriangles`] and [`Mixed`]; so are `&G`,
+/// Slices and vectors of [`Triangle`] or [`Sphere`] are sets, and [`IndexedTriangles`], [`SolidVoxels`] and [`Mixed`]; so are `&G`,
 /// `Box<G>` and `Arc<G>` of any set `G`: an accelerator can borrow, own or share its primitives.
 pub trait Geometry: Send + Sync {
     /// What the tests of one ray share, such as the watertight test's shear. `()` if nothing.
@@ -60,6 +64,11 @@ pub trait Geometry: Send + Sync {
 
     /// The corners if `prim` is a triangle; grids insert triangles by clipping instead of [`Geometry::overlaps`].
     fn triangle(&self, _prim: u32) -> Option<Triangle> {
+        None
+    }
+
+    /// The voxels if the primitives are the faces of solid voxels, by the same indices; there is a walk that needs no more.
+    fn solid(&self) -> Option<&SolidVoxels> {
         None
     }
 
@@ -154,6 +163,8 @@ macro_rules! forward_geometry {
             fn overlaps(&self, prim: u32, cell: &Cell) -> bool { (**self).overlaps(prim, cell) }
             #[inline]
             fn triangle(&self, prim: u32) -> Option<Triangle> { (**self).triangle(prim) }
+            #[inline]
+            fn solid(&self) -> Option<&SolidVoxels> { (**self).solid() }
             #[inline]
             fn sphere(&self, prim: u32) -> Option<Sphere> { (**self).sphere(prim) }
         }

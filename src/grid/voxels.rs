@@ -4,9 +4,9 @@ mod crossing;
 
 use super::GridOptions;
 use crate::error::{Error, Result};
+use crate::geometry::Face;
 use crate::ray::{Aabb, Ray};
 use crossing::{Lines, Time};
-use glam::Vec3;
 use std::cmp::Ordering;
 use std::iter::FusedIterator;
 
@@ -149,43 +149,6 @@ pub struct VoxelVisit {
     pub exit: f64,
     /// The face of this voxel that the ray crosses at `entry`; `None` if it starts here.
     pub face: Option<Face>,
-}
-
-/// A face of a voxel, named by its normal, which points out of the voxel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Face {
-    /// Towards smaller x.
-    NegX,
-    /// Towards larger x.
-    PosX,
-    /// Towards smaller y.
-    NegY,
-    /// Towards larger y.
-    PosY,
-    /// Towards smaller z.
-    NegZ,
-    /// Towards larger z.
-    PosZ,
-}
-
-impl Face {
-    const LOWER: [Face; 3] = [Face::NegX, Face::NegY, Face::NegZ];
-    const UPPER: [Face; 3] = [Face::PosX, Face::PosY, Face::PosZ];
-
-    /// 0, 1 or 2 for x, y or z.
-    pub fn axis(self) -> usize {
-        match self {
-            Face::NegX | Face::PosX => 0,
-            Face::NegY | Face::PosY => 1,
-            Face::NegZ | Face::PosZ => 2,
-        }
-    }
-
-    /// The unit normal, out of the voxel; on the face that a ray enters through, against the ray.
-    pub fn normal(self) -> Vec3 {
-        let side = if Self::LOWER.contains(&self) { -1.0 } else { 1.0 };
-        side * Vec3::AXES[self.axis()]
-    }
 }
 
 /// The voxels that a ray visits: see [`VoxelGrid::voxels`].

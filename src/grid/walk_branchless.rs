@@ -18,7 +18,7 @@ use crate::ray::Ray;
 
 /// [`Walk`] with a masked step.
 #[derive(Clone, Copy, Debug)]
-pub struct Branchless(Walk);
+pub struct Branchless(pub(super) Walk);
 
 impl VoxelWalk for Branchless {
     #[inline]

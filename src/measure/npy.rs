@@ -1,22 +1,16 @@
 //! NumPy's `.npy` files: rays in, hits out.
 //!
-//! Format: NumPy Enhancement Proposal 1 and `numpy.lib.format`, versions 1.0 to 3.0. A header of a magic, a version, a
-//! length and a Python dictionary; then the array. Rays are an N x 8 array of little-endian f32 in C order, one ray a
+//! Rays are an N x 8 array of little-endian f32 in C order, one ray a
 //! row: ox, oy, oz, tmin, dx, dy, dz, tmax. Hits are N records of f32 `t` and u32 `prim`.
 
 use crate::accel::Hit;
 use crate::error::{Error, Result};
+use crate::npy::{Fault, MAGIC, fill, read_header, value};
 use crate::ray::Ray;
 use glam::Vec3;
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
 use std::path::Path;
-
-/// First bytes of every file.
-const MAGIC: &[u8; 6] = b"\x93NUMPY";
-
-/// Longest header that is read; NumPy itself refuses more than 10 000 bytes.
-const MAX_HEADER: usize = 1 << 16;
 
 /// Numbers in a ray.
 const FIELDS: usize = 8;
@@ -42,55 +36,12 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray>> {
     })
 }
 
-/// What is wrong with a file.
-#[derive(Debug)]
-enum Fault {
-    Io(std::io::Error),
-    Content(String),
-}
-
-impl From<String> for Fault {
-    fn from(cause: String) -> Self {
-        Fault::Content(cause)
-    }
-}
-
-fn fill(source: &mut impl Read, buffer: &mut [u8], what: &str) -> std::result::Result<(), Fault> {
-    source.read_exact(buffer).map_err(|error| match error.kind() {
-        std::io::ErrorKind::UnexpectedEof => Fault::Content(format!("ends within the {what}")),
-        _ => Fault::Io(error),
-    })
-}
-
 /// `length`: bytes of the whole file.
 fn read_rays_from(source: &mut impl Read, length: u64) -> std::result::Result<Vec<Ray>, Fault> {
-    let mut start = [0; 8];
-    fill(source, &mut start, "first 8 bytes")?;
-    if &start[..6] != MAGIC {
-        return Err(format!("no .npy file: it starts with {:02x?} instead of {MAGIC:02x?}", &start[..6]).into());
-    }
-    let header_length = match start[6] {
-        1 => {
-            let mut bytes = [0; 2];
-            fill(source, &mut bytes, "header's length")?;
-            usize::from(u16::from_le_bytes(bytes))
-        }
-        2 | 3 => {
-            let mut bytes = [0; 4];
-            fill(source, &mut bytes, "header's length")?;
-            u32::from_le_bytes(bytes) as usize
-        }
-        version => return Err(format!("format version {version}.{}; known are 1 to 3", start[7]).into()),
-    };
-    if header_length > MAX_HEADER {
-        return Err(format!("header of {header_length} bytes; at most {MAX_HEADER} are read").into());
-    }
-    let mut header = vec![0; header_length];
-    fill(source, &mut header, "header")?;
-    let count = ray_count(&String::from_utf8_lossy(&header))?;
+    let header = read_header(source)?;
+    let count = ray_count(&header.text)?;
 
-    let before = 8 + if start[6] == 1 { 2 } else { 4 } + header_length as u64;
-    let rest = length.saturating_sub(before);
+    let rest = length.saturating_sub(header.bytes);
     if count.checked_mul(RAY_BYTES) != Some(rest) {
         return Err(format!("the header promises {count} rays of {RAY_BYTES} bytes, but {rest} bytes follow").into());
     }
@@ -133,25 +84,6 @@ fn ray_count(header: &str) -> std::result::Result<u64, String> {
         (Some(Ok(n)), Some(Ok(8)), None) => Ok(n),
         _ => Err(wrong()),
     }
-}
-
-/// The text of `key`'s value in a Python dictionary of strings, words, tuples and lists.
-fn value<'a>(header: &'a str, key: &str) -> std::result::Result<&'a str, String> {
-    let place = [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(|k| header.find(k).map(|i| i + k.len()));
-    let rest = place.map(|i| header[i..].trim_start());
-    let rest = rest.and_then(|r| r.strip_prefix(':')).map(str::trim_start);
-    let rest = rest.ok_or_else(|| format!("the header has no `{key}`"))?;
-    // Up to the comma or brace outside all brackets.
-    let mut depth = 0i32;
-    for (i, c) in rest.char_indices() {
-        match c {
-            '(' | '[' => depth += 1,
-            ')' | ']' => depth -= 1,
-            ',' | '}' if depth <= 0 => return Ok(rest[..i].trim_end()),
-            _ => {}
-        }
-    }
-    Err(format!("the header ends within `{key}`"))
 }
 
 /// Writes an N x 8 array of f32.

@@ -5,7 +5,9 @@
 
 pub mod amanatides_woo;
 pub mod arvo;
+pub mod dda;
 pub mod plot;
+pub mod printed_dda;
 pub mod printed_walk;
 pub mod report;
 pub mod semwal_kvarnstrom;

@@ -1,6 +1,6 @@
 //! The entry `bsp`: which tree, and which way through it.
 
-use super::{Entry, Spec, spec};
+use super::{Entry, Needs, Spec, spec};
 use crate::accel::Accel;
 use crate::bsp::{Bsp, BspOptions, Choice, Climb, Form, Midpoint, Partition, Retraverse, Segment};
 use crate::error::Result;
@@ -14,6 +14,7 @@ pub(super) const ENTRY: Entry = Entry {
               is not split, above 0; 2), depth=N (most levels, 0..60; by the primitives), memory=BYTES (as of grid; building \
               included)",
     source: "Arvo 1988; Jansen 1986; Glassner 1984 (retraverse); Amanatides & Woo 1987 (climb)",
+    needs: Needs::Any,
 };
 
 #[derive(Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 
 mod bsp;
 mod spec;
+mod voxels;
 
 pub use spec::Spec;
 #[cfg(feature = "scene")]
@@ -32,6 +33,24 @@ pub struct Entry {
     pub options: &'static str,
     /// Where the method comes from.
     pub source: &'static str,
+    /// Which geometry it can be built over.
+    pub needs: Needs,
+}
+
+/// Which geometry an accelerator can be built over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Any.
+    Any,
+    /// Solid voxels: one with [`Geometry::solid`].
+    SolidVoxels,
+}
+
+impl Entry {
+    /// True if it can be built over `geometry`.
+    pub fn suits<G: Geometry + ?Sized>(&self, geometry: &G) -> bool {
+        self.needs == Needs::Any || geometry.solid().is_some()
+    }
 }
 
 const SKIP_OPTIONS: &str = "threshold=N (least distance worth a leap, 1..255; 3), distances=linear|log2|half (linear; the \
@@ -48,6 +67,7 @@ pub const ENTRIES: &[Entry] = &[
         summary: "tests every primitive for every ray",
         options: "",
         source: "the reference of the conformance tests",
+        needs: Needs::Any,
     },
     Entry {
         name: "grid",
@@ -56,18 +76,21 @@ pub const ENTRIES: &[Entry] = &[
                   resolution=N or NxNxN (1..4096), mailbox=on|off (off), memory=BYTES (a quarter of the machine's, at \
                   most 8G)",
         source: "Amanatides & Woo 1987; lists after Lagae & Dutré 2008",
+        needs: Needs::Any,
     },
     Entry {
         name: "grid-clouds",
         summary: "grid with proximity clouds: city-block distances, 4 bytes a voxel",
         options: SKIP_OPTIONS_PRINTED,
         source: "Cohen & Sheffer 1994; Semwal & Kvarnstrom 1997 section 3",
+        needs: Needs::Any,
     },
     Entry {
         name: "grid-dsz",
         summary: "grid with directed safe zones: a distance for each face, 8 bytes a voxel",
         options: SKIP_OPTIONS_PRINTED,
         source: "Semwal & Kvarnstrom 1997 section 4",
+        needs: Needs::Any,
     },
     Entry {
         name: "grid-dual",
@@ -76,24 +99,37 @@ pub const ENTRIES: &[Entry] = &[
                   threshold=N (least distance worth a leap, 1..255; 3), distances=linear|log2|half (linear), and those of grid \
                   but step",
         source: "Semwal & Kvarnstrom 1997 section 5",
+        needs: Needs::Any,
     },
     Entry {
         name: "grid-dsz24",
         summary: "grid with directed safe zones of 24 values, kept as eight octant distances, 8 bytes a voxel",
         options: SKIP_OPTIONS,
         source: "Semwal & Kvarnstrom 1997 section 10",
+        needs: Needs::Any,
     },
     Entry {
         name: "grid-chessboard",
         summary: "grid with Chebyshev distances, leaps to the exit of the empty cube, 4 bytes a voxel",
         options: SKIP_OPTIONS,
         source: "Sramek & Kaufman 2000",
+        needs: Needs::Any,
     },
     Entry {
         name: "grid-octant",
         summary: "grid with a Chebyshev distance for each octant of directions, 8 bytes a voxel",
         options: SKIP_OPTIONS,
         source: "after Es & Isler 2007 and Deakin & Knackstedt 2020",
+        needs: Needs::Any,
+    },
+    Entry {
+        name: "voxels",
+        summary: "solid voxels without lists: a hit is a crossing from empty to solid; for scenes of voxels alone",
+        options: "step=branching|branchless (branching), skip=none|clouds|dsz|dual|dsz24|chessboard|octant (none; with \
+                  step=branching), threshold=N (3), distances=linear|log2|half (linear), lane=N (16; of dual), memory=BYTES (a \
+                  quarter of the machine's, at most 8G)",
+        source: "after an article on branchless DDA voxel tracing; Amanatides & Woo 1987",
+        needs: Needs::SolidVoxels,
     },
     bsp::ENTRY,
     #[cfg(feature = "obvhs")]
@@ -102,6 +138,7 @@ pub const ENTRIES: &[Entry] = &[
         summary: "two-wide BVH of the crate obvhs",
         options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
         source: "obvhs 0.4: PLOC (Meister & Bittner 2018), reinsertion",
+        needs: Needs::Any,
     },
     #[cfg(feature = "obvhs")]
     Entry {
@@ -109,6 +146,7 @@ pub const ENTRIES: &[Entry] = &[
         summary: "eight-wide compressed BVH of the crate obvhs",
         options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
         source: "obvhs 0.4: Ylitie et al. 2017 over PLOC",
+        needs: Needs::Any,
     },
 ];
 
@@ -125,7 +163,8 @@ pub const ENTRIES: &[Entry] = &[
 /// ```
 ///
 /// # Errors
-/// The name or an option is unknown, a value is out of range, or the structure would exceed its memory budget.
+/// The name or an option is unknown, a value is out of range, the accelerator [`Needs`] another geometry, or the structure
+/// would exceed its memory budget.
 pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Accel + 'a>> {
     let mut spec = Spec::parse(spec)?;
     Ok(match spec.name() {
@@ -152,6 +191,10 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
         "grid-chessboard" => skip_grid::<_, Chessboard>(spec, geometry)?,
         "grid-octant" => skip_grid::<_, Octants>(spec, geometry)?,
         "bsp" => bsp::build(spec, geometry)?,
+        "voxels" => match geometry.solid() {
+            Some(solid) => voxels::build(spec, solid.clone())?,
+            None => return Err(spec.error("needs a scene of solid voxels such as a .vox file")),
+        },
         #[cfg(feature = "obvhs")]
         "obvhs-bvh2" => {
             let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
@@ -218,6 +261,14 @@ fn grid_and_skip<G: Geometry, M: Method>(
     geometry: G,
     default: SkipOptions,
 ) -> Result<(Grid<G>, SkipOptions)> {
+    let skip = skip_options::<M>(&mut spec, default)?;
+    let options = grid_options(&mut spec)?;
+    spec.finish()?;
+    Ok((Grid::build(geometry, &options)?, skip))
+}
+
+/// The options of a skip table; `default` where the specification says nothing.
+fn skip_options<M: Method>(spec: &mut Spec, default: SkipOptions) -> Result<SkipOptions> {
     let forms = [("linear", Distances::Linear), ("log2", Distances::Log2), ("half", Distances::HalfLog2)];
     let mut skip = SkipOptions {
         distances: spec.take_choice("distances", &forms)?.unwrap_or(default.distances),
@@ -228,9 +279,7 @@ fn grid_and_skip<G: Geometry, M: Method>(
     if M::WIDTHS > 0 {
         skip.lane = spec.take("lane", above_zero)?.unwrap_or(default.lane);
     }
-    let options = grid_options(&mut spec)?;
-    spec.finish()?;
-    Ok((Grid::build(geometry, &options)?, skip))
+    Ok(skip)
 }
 
 fn above_zero(text: &str) -> Option<u8> {
@@ -271,6 +320,11 @@ mod tests {
     fn every_entry_builds_over_nothing_and_over_something() {
         for entry in ENTRIES {
             for triangles in [vec![], vec![[Vec3::ZERO, Vec3::X, Vec3::Y]]] {
+                if !entry.suits(&triangles) {
+                    let Err(error) = build(entry.name, &triangles) else { panic!("{} was accepted", entry.name) };
+                    assert!(error.to_string().contains("needs a scene of solid voxels"), "{error}");
+                    continue;
+                }
                 let accel = build(entry.name, &triangles).expect(entry.name);
                 let ray = crate::Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
                 assert_eq!(accel.any_hit(&ray), !triangles.is_empty(), "{}", entry.name);

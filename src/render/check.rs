@@ -89,6 +89,8 @@ pub(super) fn scene(scene: &Scene) -> Result<()> {
     }
     let materials = scene.materials.len();
     let used = scene.meshes.iter().map(|m| m.material).chain(scene.sphere_materials.iter().copied());
+    let voxels = scene.voxels().and_then(|v| v.materials().iter().max()).and_then(|byte| byte.checked_sub(1));
+    let used = used.chain(voxels.map(u32::from));
     match used.max() {
         Some(m) if m as usize >= materials => Err(Error::invalid(format!("material {m} of {materials} is in use"))),
         _ => Ok(()),

@@ -1,6 +1,6 @@
 //! Checks the parts of a scene, lays its primitives out in one index space, and adds what it lacks.
 
-use super::{Bsdf, Camera, Light, Material, Scene, SceneGeometry, SceneParts};
+use super::{Bsdf, Camera, Light, Material, Scene, SceneGeometry, SceneParts, voxels};
 use crate::error::{Error, Result};
 use crate::geometry::{Mixed, Sphere, Triangle};
 use crate::ray::Aabb;
@@ -17,13 +17,24 @@ pub(super) fn assemble(mut parts: SceneParts, origin: &str) -> Result<Scene> {
     if parts.materials.is_empty() {
         parts.materials.push(Material::grey());
     }
+    if let Some(cause) = parts.voxels.as_ref().and_then(|v| voxels::defect(v, parts.materials.len())) {
+        return Err(Error::invalid(format!("{origin}: {cause}")));
+    }
+    let mixed = !(parts.meshes.is_empty() && parts.spheres.is_empty());
+    if let Some(voxels) = parts.voxels.take_if(|_| mixed) {
+        parts.meshes.extend(voxels::meshes(&voxels));
+        parts.notes.push(format!("{origin}: the voxels became meshes, because the scene has other primitives too"));
+    }
     check(&parts, origin)?;
     fill_texture_coordinates(&mut parts);
     let mesh_offsets = mesh_offsets(&parts, origin)?;
     let triangles = triangles(&parts, mesh_offsets.last().copied().unwrap_or(0))?;
     let (spheres, sphere_materials): (Vec<Sphere>, Vec<u32>) = parts.spheres.iter().copied().unzip();
-    let bounds = bounds(&triangles, &spheres);
-    if triangles.is_empty() && spheres.is_empty() {
+    let bounds = match &parts.voxels {
+        Some(voxels) => voxels.solid_bounds(),
+        None => bounds(&triangles, &spheres),
+    };
+    if bounds.is_empty() && triangles.is_empty() && spheres.is_empty() {
         parts.warnings.push(format!("{origin}: the scene has no primitive"));
     }
     let camera = parts.camera.unwrap_or_else(|| Camera::framed(&bounds));
@@ -33,6 +44,7 @@ pub(super) fn assemble(mut parts: SceneParts, origin: &str) -> Result<Scene> {
         (true, false) => SceneGeometry::Spheres(Arc::new(spheres.clone())),
         (false, false) => SceneGeometry::Mixed(Arc::new(Mixed { triangles, spheres: spheres.clone() })),
     };
+    let geometry = parts.voxels.map_or(geometry, SceneGeometry::Voxels);
     Ok(Scene {
         name: parts.name,
         geometry,
@@ -156,7 +168,8 @@ fn light_up(parts: &mut SceneParts, camera: &Camera, origin: &str) {
     let lit = !parts.lights.is_empty()
         || parts.environment != Vec3::ZERO
         || parts.meshes.iter().any(|m| !m.triangles.is_empty() && emits(m.material))
-        || parts.spheres.iter().any(|&(_, m)| emits(m));
+        || parts.spheres.iter().any(|&(_, m)| emits(m))
+        || parts.voxels.as_ref().is_some_and(|v| voxels::used(v).any(emits));
     if lit {
         return;
     }

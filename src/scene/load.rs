@@ -1,7 +1,7 @@
 //! Picks the loader by name and extension, and refuses or drops what is not finite.
 
 use super::assemble::assemble;
-use super::{Mesh, Scene, SceneParts, file, procedural, raw};
+use super::{Mesh, Scene, SceneParts, dense, file, procedural, raw};
 use crate::error::{Error, Result};
 use glam::{Vec2, Vec3};
 use std::io::Read;
@@ -17,7 +17,7 @@ pub struct LoadOptions {
     pub drop_invalid: bool,
 }
 
-/// Reads `spec`: the path of a .toml, .gltf, .glb, .obj, .tri or .sph file, or the name of a procedural scene with
+/// Reads `spec`: the path of a .toml, .gltf, .glb, .obj, .vox, .npy (voxels), .tri or .sph file, or the name of a procedural scene with
 /// options, such as `random:n=10000`.
 ///
 /// Files with a coordinate that is not finite are refused unless `options` says otherwise; but .tri and .sph files keep
@@ -33,6 +33,9 @@ pub fn load(spec: &str, options: &LoadOptions) -> Result<Scene> {
         Some("tri") => bare_triangles(path)?,
         Some("sph") => bare_spheres(path)?,
         Some("obj" | "gltf" | "glb") => read_mesh_file(path, options)?,
+        Some("npy") => dense::read(path)?,
+        #[cfg(feature = "vox")]
+        Some("vox") => super::vox::read(path)?,
         _ => procedural::parse(spec)?,
     };
     assemble(parts, spec)

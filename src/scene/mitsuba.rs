@@ -25,6 +25,7 @@ const HARD: f64 = 1.0 - 1e-6;
 /// A setting is 0, the camera sees nothing, or a file cannot be written.
 pub fn export(scene: &Scene, settings: &ExportSettings, out: &Path) -> Result<Vec<String>> {
     check(scene, settings)?;
+    let scene = &*scene.with_meshes();
     let mut writer = Writer { scene, assets: Assets::beside(out), clamped: BTreeSet::new(), text: String::new() };
     writer.head(settings);
     for (index, material) in scene.materials.iter().enumerate() {

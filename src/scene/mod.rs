@@ -2,6 +2,7 @@
 
 mod assemble;
 mod camera;
+mod dense;
 mod export;
 pub mod file;
 #[cfg(feature = "gltf")]
@@ -18,6 +19,9 @@ pub mod raw;
 mod surface;
 mod texture;
 mod transform;
+#[cfg(feature = "vox")]
+mod vox;
+mod voxels;
 
 pub use camera::{Camera, CameraSource};
 pub use export::ExportSettings;
@@ -27,9 +31,10 @@ pub use material::{Bsdf, Filter, Material, Texture};
 
 use crate::accel::{Accel, Hit, PointShadows};
 use crate::error::Result;
-use crate::geometry::{Mixed, Sphere, Triangle};
+use crate::geometry::{Geometry, Mixed, SolidVoxels, Sphere, Triangle};
 use crate::ray::Ray;
 use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The primitives of a scene as the accelerators see them: no sphere test is compiled into the path of a scene of
@@ -42,7 +47,22 @@ pub enum SceneGeometry {
     Spheres(Arc<Vec<Sphere>>),
     /// Triangles, then spheres.
     Mixed(Arc<Mixed>),
+    /// Solid voxels only; the byte of a voxel is its index in [`Scene::materials`] plus one.
+    Voxels(SolidVoxels),
 }
+
+/// `$body` with `$g` bound to the primitives of `$scene`, whatever they are: compiled once for each kind.
+macro_rules! with_geometry {
+    ($scene:expr, $g:ident => $body:expr) => {
+        match &$scene.geometry {
+            $crate::scene::SceneGeometry::Triangles($g) => $body,
+            $crate::scene::SceneGeometry::Spheres($g) => $body,
+            $crate::scene::SceneGeometry::Mixed($g) => $body,
+            $crate::scene::SceneGeometry::Voxels($g) => $body,
+        }
+    };
+}
+pub(crate) use with_geometry;
 
 /// A triangle mesh in world space with what shading needs.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +110,7 @@ pub struct Surface {
 pub struct Scene {
     /// Name for messages and output.
     pub name: String,
-    /// Triangles of all meshes in order, then spheres.
+    /// Triangles of all meshes in order, then spheres; or solid voxels alone.
     pub geometry: SceneGeometry,
     /// Meshes; triangle `i` of mesh `m` is primitive `mesh_offsets[m] + i`.
     pub meshes: Vec<Mesh>,
@@ -138,6 +158,8 @@ pub struct SceneParts {
     pub name: String,
     /// See [`Scene::meshes`].
     pub meshes: Vec<Mesh>,
+    /// Solid voxels, whose bytes are indices of materials plus one. Beside meshes or spheres they become meshes.
+    pub voxels: Option<SolidVoxels>,
     /// Spheres with their materials.
     pub spheres: Vec<(Sphere, u32)>,
     /// See [`Scene::materials`]; a grey Lambert material is added if there is none.
@@ -174,9 +196,25 @@ impl Scene {
         assemble::assemble(parts, &origin)
     }
 
-    /// Number of triangles; spheres come after them.
+    /// Number of triangles, two for each exposed face of a voxel; spheres come after them.
     pub fn triangle_count(&self) -> u32 {
-        *self.mesh_offsets.last().unwrap_or(&0)
+        match &self.geometry {
+            SceneGeometry::Voxels(voxels) => Geometry::len(voxels),
+            _ => *self.mesh_offsets.last().unwrap_or(&0),
+        }
+    }
+
+    /// The solid voxels, if the scene consists of these.
+    pub fn voxels(&self) -> Option<&SolidVoxels> {
+        match &self.geometry {
+            SceneGeometry::Voxels(voxels) => Some(voxels),
+            _ => None,
+        }
+    }
+
+    /// The same scene with its voxels, if it has any, as meshes: one for each material, with other primitive indices.
+    pub fn with_meshes(&self) -> Cow<'_, Scene> {
+        voxels::with_meshes(self)
     }
 
     /// Number of primitives: triangles and spheres.
@@ -189,11 +227,7 @@ impl Scene {
     /// # Errors
     /// As [`crate::registry::build`].
     pub fn accel(&self, spec: &str) -> Result<Box<dyn Accel>> {
-        match &self.geometry {
-            SceneGeometry::Triangles(g) => crate::registry::build(spec, g.clone()),
-            SceneGeometry::Spheres(g) => crate::registry::build(spec, g.clone()),
-            SceneGeometry::Mixed(g) => crate::registry::build(spec, g.clone()),
-        }
+        with_geometry!(self, g => crate::registry::build(spec, g.clone()))
     }
 
     /// Decides for every voxel of a grid which of the lights at `lights`, world units, surely reach it and which surely do not.
@@ -201,11 +235,7 @@ impl Scene {
     /// # Errors
     /// As [`crate::registry::shadow_voxels`].
     pub fn shadow_voxels(&self, lights: &[DVec3]) -> Result<Box<dyn PointShadows>> {
-        match &self.geometry {
-            SceneGeometry::Triangles(g) => crate::registry::shadow_voxels(g.clone(), lights),
-            SceneGeometry::Spheres(g) => crate::registry::shadow_voxels(g.clone(), lights),
-            SceneGeometry::Mixed(g) => crate::registry::shadow_voxels(g.clone(), lights),
-        }
+        with_geometry!(self, g => crate::registry::shadow_voxels(g.clone(), lights))
     }
 
     /// What shading needs at `hit` of `ray`, which comes from an accelerator over [`Scene::geometry`].

@@ -34,6 +34,7 @@ const LEAST_PIGMENT: f32 = 1e-6;
 /// A setting is 0, the camera sees nothing, or a file cannot be written.
 pub fn export(scene: &Scene, settings: &ExportSettings, out: &Path) -> Result<Vec<String>> {
     check(scene, settings)?;
+    let scene = &*scene.with_meshes();
     let mut assets = Assets::beside(out);
     let mut materials = Vec::new();
     for (index, material) in scene.materials.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::{Mesh, Scene, Surface};
 use crate::accel::Hit;
-use crate::geometry::Sphere;
+use crate::geometry::{SolidVoxels, Sphere};
 use crate::ray::Ray;
 use glam::{DVec2, DVec3};
 
@@ -12,6 +12,9 @@ const STRAY: f64 = 2.4e-7;
 
 /// See [`Scene::surface`].
 pub(super) fn surface(scene: &Scene, ray: &Ray, hit: Hit) -> Surface {
+    if let Some(voxels) = scene.voxels() {
+        return on_voxel(voxels, ray, hit);
+    }
     let triangles = scene.triangle_count();
     if hit.prim >= triangles {
         let i = (hit.prim - triangles) as usize;
@@ -56,6 +59,23 @@ fn on_triangle(mesh: &Mesh, triangle: usize, ray: &Ray, hit: Hit) -> Surface {
         weights[0] * p + weights[1] * q + weights[2] * r
     };
     Surface { position, geometric_normal, shading_normal, uv, material: mesh.material }
+}
+
+/// The coordinate along the face's axis is the plane's own; the others stay within the square.
+fn on_voxel(voxels: &SolidVoxels, ray: &Ray, hit: Hit) -> Surface {
+    let (voxel, face) = voxels.face_of(hit.prim);
+    let axis = face.axis();
+    let plane = |axis: usize, upper: bool| f64::from(voxels.planes(axis)[voxel[axis] as usize + usize::from(upper)]);
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let mut position = ray.at(trusted((plane(axis, face.is_upper()) - origin[axis]) / direction[axis], hit.t));
+    for other in 0..3 {
+        position[other] = position[other].clamp(plane(other, false), plane(other, true));
+    }
+    position[axis] = plane(axis, face.is_upper());
+    let normal = face.normal().as_dvec3();
+    // Solid: the byte is at least 1.
+    let material = u32::from(voxels.material(voxel)) - 1;
+    Surface { position, geometric_normal: normal, shading_normal: normal, uv: DVec2::ZERO, material }
 }
 
 fn on_sphere(sphere: &Sphere, material: u32, ray: &Ray, hit: Hit) -> Surface {
@@ -149,6 +169,24 @@ mod tests {
         assert_eq!(surface(&scene, &ray, Hit { t: 1.0, prim: 0 }).shading_normal, DVec3::Z);
         scene.meshes[1].normals = vec![Vec3::ZERO; 3];
         assert_eq!(surface(&scene, &ray, Hit { t: 1.0, prim: 0 }).shading_normal, DVec3::Z);
+    }
+
+    #[test]
+    fn voxel_points_lie_on_the_plane_and_in_the_square() {
+        let voxels = SolidVoxels::new([1, 1, 2], vec![2, 1], Vec3::splat(0.1), 0.3).expect("voxels");
+        let materials = vec![crate::scene::Material::grey(); 2];
+        let scene = Scene::new(SceneParts { voxels: Some(voxels), materials, ..SceneParts::default() }).expect("valid");
+        let ray = Ray::new(Vec3::new(0.25, 0.2, 7.0), Vec3::new(0.0, 0.01, -1.0));
+        let hit = scene.accel("voxels").expect("voxels").closest_hit(&ray).expect("the upper voxel is in the way");
+        let s = surface(&scene, &ray, hit);
+        let top = f64::from(0.7_f64 as f32);
+        assert!((s.position.z - top).abs() < 1e-7 && (s.position.y - (0.2 + 0.01 * (7.0 - top))).abs() < 1e-7, "{s:?}");
+        assert_eq!((s.geometric_normal, s.shading_normal, s.material), (DVec3::Z, DVec3::Z, 0));
+        // From below: the other voxel.
+        let ray = Ray::new(Vec3::new(0.25, 0.2, -7.0), Vec3::Z);
+        let hit = scene.accel("grid").expect("a grid").closest_hit(&ray).expect("the lower voxel is in the way");
+        let s = surface(&scene, &ray, hit);
+        assert_eq!((s.position.z, s.geometric_normal, s.material), (f64::from(0.1_f32), DVec3::NEG_Z, 1));
     }
 
     #[test]

@@ -5,9 +5,10 @@ use glam::Vec3;
 use skipgrid::geometry::{Geometry, Mixed};
 use skipgrid::{Accel, Hit, Ray, Sphere, Triangle, registry};
 
-/// Every entry of the registry by default, and the options that change what is built.
-fn specs() -> Vec<String> {
-    let mut specs: Vec<String> = registry::ENTRIES.iter().map(|e| e.name.to_string()).collect();
+/// Every entry of the registry that can be built over `geometry`, and the options that change what is built.
+fn specs<G: Geometry + ?Sized>(geometry: &G) -> Vec<String> {
+    let suited = registry::ENTRIES.iter().filter(|e| e.suits(geometry));
+    let mut specs: Vec<String> = suited.map(|e| e.name.to_string()).collect();
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
     specs.extend(grids.iter().map(|o| format!("grid:{o}")));
     specs.push("grid:step=branchless".into());
@@ -24,6 +25,14 @@ fn specs() -> Vec<String> {
     }
     specs.push("grid-dual:resolution=64,lane=255,threshold=1".into());
     specs.push("grid-dsz:density=30,mailbox=on".into());
+    if geometry.solid().is_some() {
+        specs.push("voxels:step=branchless".into());
+        for skip in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
+            for options in ["threshold=1", "threshold=1,distances=log2", "distances=half"] {
+                specs.push(format!("voxels:skip={skip},{options}"));
+            }
+        }
+    }
     for name in ["obvhs-bvh2", "obvhs-cwbvh"] {
         if registry::ENTRIES.iter().any(|e| e.name == name) {
             specs.extend(["fastest", "very_slow"].iter().map(|p| format!("{name}:preset={p}")));
@@ -32,14 +41,14 @@ fn specs() -> Vec<String> {
     specs
 }
 
-fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
+pub fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
     hit.map(|h| (h.prim, h.t.to_bits()))
 }
 
-fn check<G: Geometry>(name: &str, geometry: &G, rays: &[Ray]) {
+pub fn check<G: Geometry>(name: &str, geometry: &G, rays: &[Ray]) {
     let brute = registry::build("brute", geometry).unwrap();
     let truth: Vec<_> = rays.iter().map(|r| bits(brute.closest_hit(r))).collect();
-    for spec in specs() {
+    for spec in specs(geometry) {
         let accel = registry::build(&spec, geometry).unwrap_or_else(|e| panic!("{name}: {spec}: {e}"));
         assert_eq!(accel.bounds(), brute.bounds(), "{name}: {spec}");
         for (ray, &expected) in rays.iter().zip(&truth) {
@@ -67,7 +76,7 @@ fn show(ray: &Ray) -> String {
 
 /// Rays of every class around and within a box: random, aimed at the given points, axis-parallel with both zeros, in planes
 /// and along diagonals, far away, tiny and huge directions, short ranges, and rays that are none.
-fn rays(random: &mut Random, centre: Vec3, size: f32, targets: &[Vec3]) -> Vec<Ray> {
+pub fn rays(random: &mut Random, centre: Vec3, size: f32, targets: &[Vec3]) -> Vec<Ray> {
     let mut rays = Vec::new();
     let target = |random: &mut Random| targets[random.below(targets.len())];
     for _ in 0..60 {
@@ -257,7 +266,7 @@ fn threads_and_forwarding_change_nothing() {
     let mut random = Random::new(18);
     let balls = std::sync::Arc::new(spheres(&mut random, 300));
     let shots = rays(&mut random, Vec3::ZERO, 1.0, &balls.iter().map(|s| s.centre).collect::<Vec<_>>());
-    for spec in specs() {
+    for spec in specs(&balls) {
         let accel: std::sync::Arc<dyn Accel> = std::sync::Arc::from(registry::build(&spec, balls.clone()).unwrap());
         let alone: Vec<_> = shots.iter().map(|r| bits(accel.closest_hit(r))).collect();
         let found: Vec<_> = std::thread::scope(|scope| {

@@ -10,6 +10,7 @@ mod pictures;
 mod random;
 mod render;
 mod scenes;
+mod solid;
 mod spd;
 mod tidy;
 mod truth;

@@ -154,6 +154,37 @@ fn any_scene_goes_through_all_accelerators() {
 }
 
 #[test]
+fn walks_over_solid_voxels_answer_as_lists_and_nodes_do() {
+    let folder = folder("dda");
+    let args = ["dda", "--quick", "--size", "16", "--scene", "voxel-terrain:n=16", "--svg", "d.svg"];
+    let report = report(&folder, &args);
+    let rows_of = rows(&report, "rays");
+    // Three lists, eleven accelerators or ten without BVHs.
+    let accels = rows_of.len() / 3;
+    assert!(rows_of.len().is_multiple_of(3) && (10..=11).contains(&accels), "{}", rows_of.len());
+    for list in rows_of.chunks(accels) {
+        let [plain, branchless] = [&list[0], &list[1]];
+        assert_eq!((&plain["accelerator"], &plain["leaps/ray"]), (&"voxels".into(), &0.0.into()));
+        // The same voxels in the same order.
+        for column in ["steps/ray", "tests/ray"] {
+            assert_eq!(plain[column], branchless[column], "{branchless}");
+        }
+        for row in list {
+            assert_eq!(row["wrong rays"], 0, "{row}");
+            let skips = row["accelerator"].as_str().is_some_and(|a| a.contains("skip="));
+            assert!(!skips || number(row, "steps/ray") <= number(plain, "steps/ray"), "{row}");
+        }
+    }
+    let verdicts = verdicts(&report);
+    assert_eq!(verdicts.iter().map(|v| v.0).collect::<Vec<_>>(), ["B7", "B1", "B3", "B4"]);
+    assert!(verdicts[1..].iter().all(|v| v.1 == "does not hold here"), "{verdicts:?}");
+    // Half of 10 000 rays within five standard deviations, and every step at a tie.
+    let printed: Vec<f64> = rows(&report, "printed").iter().map(|row| number(row, "printed")).collect();
+    assert!((4750.0..=5250.0).contains(&printed[4]) && printed[5] == 1000.0, "{printed:?}");
+    elements(&fs::read_to_string(folder.join("d.svg")).expect("was written"));
+}
+
+#[test]
 fn shadow_voxels_spare_rays_and_change_no_pixel() {
     let folder = folder("shadow-voxels");
     let args = ["shadow-voxels", "--quick", "--size", "16", "--scene", "cars", "--scene", "flakes:depth=2"];
@@ -231,6 +262,7 @@ fn mistakes_are_explained() {
         (2, "did you mean `lanes`", vec!["semwal-kvarnstrom", "--scene", "lane"]),
         (2, "gird", vec!["semwal-kvarnstrom", "--quick", "--accel", "gird"]),
         (2, "density", vec!["spd", "--quick", "--scene", "cubes", "--density=-1"]),
+        (2, "does not consist of solid voxels", vec!["dda", "--quick", "--scene", "cornell"]),
         (2, "nowhere", vec!["spd", "--quick", "--scene", "nowhere"]),
         (3, "gone", vec!["amanatides-woo", "-o", "gone/a.md"]),
         (3, "gone", vec!["amanatides-woo", "--svg", "gone/a.svg"]),

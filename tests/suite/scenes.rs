@@ -42,6 +42,7 @@ pub fn corners(scene: &Scene, i: usize) -> [Vec3; 3] {
     match &scene.geometry {
         SceneGeometry::Triangles(t) => t[i],
         SceneGeometry::Mixed(m) => m.triangles[i],
+        SceneGeometry::Voxels(v) => skipgrid::Geometry::triangle(v, i as u32).expect("a triangle"),
         SceneGeometry::Spheres(_) => panic!("no triangles"),
     }
 }

@@ -8,6 +8,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("ray", &[]),
     ("random", &[]),
+    ("npy", &[]),
     ("picture", &["error"]),
     ("geometry", &["error", "ray"]),
     ("accel", &["geometry", "ray"]),
@@ -16,11 +17,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("adapters", &["accel", "error", "geometry", "ray"]),
     // Only the registry names an adapter.
     ("registry", &["accel", "adapters", "bsp", "error", "geometry", "grid"]),
-    ("scene", &["accel", "error", "geometry", "picture", "random", "ray", "registry"]),
+    ("scene", &["accel", "error", "geometry", "npy", "picture", "random", "ray", "registry"]),
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
-    ("measure", &["accel", "error", "random", "ray", "scene"]),
+    ("measure", &["accel", "error", "npy", "random", "ray", "scene"]),
     (
         "papers",
         &["accel", "bsp", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"],

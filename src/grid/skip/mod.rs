@@ -34,6 +34,7 @@ pub use octant::Octants;
 pub use options::{Distances, SkipOptions};
 pub use printed::{PrintedLanding, PrintedRule};
 pub use slot::{Eight, One, Packed, Slot};
+pub(super) use table::Free;
 pub use table::Table;
 
 use super::occupancy::Occupancy;

@@ -72,45 +72,41 @@ impl<M: Method, T: Slot> Table<M, T> {
             lists.push(list.len() as u32);
             lists.extend_from_slice(list);
         }
-        // Chunks of voxels, each with the number of filled voxels before it: the place of a list is the number of references
-        // and of lists before it.
-        const CHUNK: usize = 1 << 16;
-        let mut slots = vec![T::filled(0); occupancy.len()];
-        let mut filled_before = 0_u64;
-        let chunks: Vec<_> = slots
-            .chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(chunk, slots)| {
-                let begin = filled_before;
-                let flags = &occupancy.filled[chunk * CHUNK..][..slots.len()];
-                filled_before += flags.iter().filter(|&&filled| filled).count() as u64;
-                (chunk * CHUNK, begin, slots)
-            })
-            .collect();
-        let lengths: Vec<u8> = (0..=u8::MAX).map(|d| options.stored(d)).collect();
-        let widths: Vec<u8> = (0..=u8::MAX).map(|d| options.rounded(d)).collect();
-        let planes: Vec<(&[u8], &Vec<u8>)> = (planes.iter().enumerate())
-            .map(|(field, plane)| (&plane[..], if field < M::WIDTHS { &widths } else { &lengths }))
-            .collect();
-        let totals = parallel::map(chunks, |(first, mut filled_before, slots)| {
-            let mut total = Total::default();
-            let mut distances = [0; 8];
-            for (voxel, slot) in (first..).zip(slots) {
-                if occupancy.filled[voxel] {
-                    *slot = T::filled(cells.begin(voxel) + filled_before);
-                    filled_before += 1;
-                } else {
-                    for (distance, (plane, stored)) in distances.iter_mut().zip(&planes) {
-                        *distance = stored[usize::from(plane[voxel])];
-                    }
-                    *slot = T::empty(&distances[..planes.len()]);
-                    total.add(*slot, planes.len());
-                }
-            }
-            total
-        });
-        let total = totals.into_iter().fold(Total::default(), Total::and);
+        // The place of a list is the number of references and of lists before it.
+        let place = |voxel, filled_before| cells.begin(voxel) + filled_before;
+        let (slots, total) = slots(&occupancy, &planes, M::WIDTHS, options, place);
         Ok(Self { slots, lists, filled, total, method: PhantomData })
+    }
+
+    /// A table of distances alone: [`Slot::place`] tells filled voxels, but there are no lists.
+    pub(in crate::grid) fn without_lists(occupancy: &Occupancy, options: &SkipOptions, memory: u64) -> Result<Self> {
+        options.check()?;
+        let voxels = occupancy.len() as u64;
+        let filled = occupancy.filled.iter().filter(|&&filled| filled).count() as u64;
+        let planes = if filled == voxels { 0 } else { M::PEAK };
+        let wanted = voxels * (1 + planes + size_of::<T>() as u64);
+        if wanted > memory {
+            let what = format!("skip table of {} over {voxels} voxels", M::NAME);
+            return Err(Error::TooLarge { what, wanted, allowed: memory });
+        }
+        let planes = if planes == 0 { Vec::new() } else { M::distances(occupancy, options) };
+        let (slots, total) = slots(occupancy, &planes, M::WIDTHS, options, |_, _| 0);
+        Ok(Self { slots, lists: Vec::new(), filled, total, method: PhantomData })
+    }
+
+    /// Bytes of all slots.
+    pub(in crate::grid) fn slot_bytes(&self) -> u64 {
+        (self.slots.len() * size_of::<T>()) as u64
+    }
+
+    /// Whether the walk's voxel is filled, or else how far it may go; for tables without lists.
+    #[inline(always)]
+    pub(in crate::grid) fn free(&self, walk: &Walk, ray: &M::Ray) -> Free {
+        let slot = self.slots[walk.voxel];
+        match slot.place() {
+            Some(_) => Free::Filled,
+            None => M::safe_until(ray, walk, &self.slots, slot).map_or(Free::Near, Free::Until),
+        }
     }
 
     /// The primitives of the list at `place`.
@@ -119,6 +115,64 @@ impl<M: Method, T: Slot> Table<M, T> {
         let len = self.lists[place] as usize;
         &self.lists[place + 1..place + 1 + len]
     }
+}
+
+/// What a table without lists says of a voxel.
+pub(in crate::grid) enum Free {
+    /// It is filled.
+    Filled,
+    /// As [`Look::Empty`].
+    Until(f64),
+    /// As [`Look::Near`].
+    Near,
+}
+
+/// The slots of all voxels, and the sum of their distances. `place` is told a filled voxel and the number of filled ones
+/// before it; the first `widths` of the planes are no lengths.
+fn slots<T: Slot>(
+    occupancy: &Occupancy,
+    planes: &[Vec<u8>],
+    widths: usize,
+    options: &SkipOptions,
+    place: impl Fn(usize, u64) -> u64 + Sync,
+) -> (Vec<T>, Total) {
+    // Chunks of voxels, each with the number of filled voxels before it.
+    const CHUNK: usize = 1 << 16;
+    let mut slots = vec![T::filled(0); occupancy.len()];
+    let mut filled_before = 0_u64;
+    let chunks: Vec<_> = slots
+        .chunks_mut(CHUNK)
+        .enumerate()
+        .map(|(chunk, slots)| {
+            let begin = filled_before;
+            let flags = &occupancy.filled[chunk * CHUNK..][..slots.len()];
+            filled_before += flags.iter().filter(|&&filled| filled).count() as u64;
+            (chunk * CHUNK, begin, slots)
+        })
+        .collect();
+    let lengths: Vec<u8> = (0..=u8::MAX).map(|d| options.stored(d)).collect();
+    let rounded: Vec<u8> = (0..=u8::MAX).map(|d| options.rounded(d)).collect();
+    let planes: Vec<(&[u8], &Vec<u8>)> = (planes.iter().enumerate())
+        .map(|(field, plane)| (&plane[..], if field < widths { &rounded } else { &lengths }))
+        .collect();
+    let totals = parallel::map(chunks, |(first, mut filled_before, slots)| {
+        let mut total = Total::default();
+        let mut distances = [0; 8];
+        for (voxel, slot) in (first..).zip(slots) {
+            if occupancy.filled[voxel] {
+                *slot = T::filled(place(voxel, filled_before));
+                filled_before += 1;
+            } else {
+                for (distance, (plane, stored)) in distances.iter_mut().zip(&planes) {
+                    *distance = stored[usize::from(plane[voxel])];
+                }
+                *slot = T::empty(&distances[..planes.len()]);
+                total.add(*slot, planes.len());
+            }
+        }
+        total
+    });
+    (slots, totals.into_iter().fold(Total::default(), Total::and))
 }
 
 impl<M: Method, T: Slot> Skip<Walk> for Table<M, T> {

@@ -9,7 +9,7 @@ use crate::measure::rounds::build;
 use crate::papers::report::{Cell, Table};
 use crate::papers::trace::{Asked, Cost, Origin, costs, record, thinned};
 use crate::ray::Ray;
-use crate::scene::{LoadOptions, Scene, SceneGeometry, load};
+use crate::scene::{LoadOptions, Scene, load, with_geometry};
 
 /// One scene under all accelerators.
 pub(super) struct Measured {
@@ -70,11 +70,7 @@ fn leaves(scene: &Scene, spec: &str, asked: &[Asked]) -> Result<f64> {
         ("bsp", "planes", "oblique") => Choice::Oblique,
         _ => return Ok(f64::NAN),
     };
-    match &scene.geometry {
-        SceneGeometry::Triangles(g) => leaves_of(g.clone(), planes, asked),
-        SceneGeometry::Spheres(g) => leaves_of(g.clone(), planes, asked),
-        SceneGeometry::Mixed(g) => leaves_of(g.clone(), planes, asked),
-    }
+    with_geometry!(scene, g => leaves_of(g.clone(), planes, asked))
 }
 
 fn leaves_of<G: Geometry>(geometry: G, planes: Choice, asked: &[Asked]) -> Result<f64> {

@@ -6,6 +6,7 @@ pub(super) use emitter::{Arrival, Target};
 
 use super::frame::{cosine_hemisphere, from_local};
 use super::tracer::Vertex;
+use crate::geometry::Geometry;
 use crate::ray::Aabb;
 use crate::scene::Scene;
 use emitter::{Emitter, Extended};
@@ -147,6 +148,17 @@ fn emissive(scene: &Scene) -> Vec<Extended> {
                 Extended::triangle(prim, corners, radiance)
             }));
         }
+    }
+    if let Some(voxels) = scene.voxels() {
+        let radiance = |prim: u32| {
+            let byte = voxels.material(voxels.face_of(prim).0);
+            scene.materials[usize::from(byte) - 1].emission.as_dvec3()
+        };
+        let shines = scene.materials.iter().any(|m| m.emission.max_element() > 0.0);
+        let shining = (0..scene.triangle_count()).filter(|&prim| shines && radiance(prim).max_element() > 0.0);
+        areas.extend(shining.filter_map(|prim| {
+            Extended::triangle(prim, Geometry::triangle(voxels, prim)?.map(|p| p.as_dvec3()), radiance(prim))
+        }));
     }
     for (prim, (sphere, &material)) in (scene.triangle_count()..).zip(scene.spheres.iter().zip(&scene.sphere_materials))
     {

@@ -12,10 +12,11 @@ mod random;
 pub mod spd;
 mod teapot;
 mod teapot_stadium;
+mod terrain;
 
 use super::{Bsdf, Camera, CameraSource, Light, Material, Mesh, RenderDefaults, SceneParts};
 use crate::error::{Error, Result};
-use crate::geometry::Sphere;
+use crate::geometry::{SolidVoxels, Sphere};
 use crate::registry::did_you_mean;
 use glam::{DVec3, Vec3};
 use std::ops::RangeInclusive;
@@ -50,6 +51,7 @@ pub const ENTRIES: &[Entry] = &[
     knot::ENTRY,
     bumpy::ENTRY,
     cubes::ENTRY,
+    terrain::ENTRY,
     spd::balls::ENTRY,
     spd::gears::ENTRY,
     spd::jacks::ENTRY,
@@ -110,6 +112,8 @@ fn within(key: &str, value: u64, range: RangeInclusive<u64>) -> Result<u32> {
 pub(super) struct Body {
     pub(super) meshes: Vec<Mesh>,
     pub(super) spheres: Vec<(Sphere, u32)>,
+    /// Voxels; their bytes are slots plus one.
+    pub(super) voxels: Option<SolidVoxels>,
 }
 
 /// What makes a scene of a body.
@@ -131,7 +135,7 @@ struct Stage {
 pub fn parse(spec: &str) -> Result<SceneParts> {
     let (name, rest) = spec.split_once(':').unwrap_or((spec, ""));
     let entry = find(name).ok_or_else(|| {
-        let files = "a file (.toml, .gltf, .glb, .obj, .tri, .sph)";
+        let files = "a file (.toml, .gltf, .glb, .obj, .vox, .npy, .tri, .sph)";
         Error::invalid(format!("scene `{spec}`: neither {files} nor {}", unknown(name)))
     })?;
     let mut options = Options::default();
@@ -146,7 +150,7 @@ pub fn parse(spec: &str) -> Result<SceneParts> {
     scene(entry, &options).map_err(|e| Error::invalid(format!("scene `{spec}`: {e}")))
 }
 
-/// The geometry that `name` makes; materials are slots.
+/// The geometry that `name` makes; materials are slots. Voxels come as meshes, which can be moved.
 ///
 /// # Errors
 /// The name is unknown, or an option is not one of the entry's or out of range.
@@ -155,11 +159,15 @@ pub(super) fn body(name: &str, options: &Options) -> Result<Body> {
     if let Some(key) = options.given().find(|key| !entry.keys.contains(key)) {
         return Err(Error::invalid(format!("`{name}` takes {}, not `{key}`", keys(entry))));
     }
-    (entry.body)(options)
+    let mut body = (entry.body)(options)?;
+    if let Some(voxels) = body.voxels.take() {
+        body.meshes.extend(super::voxels::meshes(&voxels));
+    }
+    Ok(body)
 }
 
 fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
-    let Body { mut meshes, mut spheres } = (entry.body)(options)?;
+    let Body { mut meshes, mut spheres, voxels } = (entry.body)(options)?;
     let Stage { palette, props, lights, environment, camera, defaults } = (entry.stage)(options);
     let colours = palette.len().max(1) as u32;
     meshes.iter_mut().for_each(|m| m.material %= colours);
@@ -171,7 +179,8 @@ fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
         meshes.push(mesh);
     }
     let name = entry.name.to_owned();
-    Ok(SceneParts { name, meshes, spheres, materials, lights, environment, camera, defaults, ..SceneParts::default() })
+    let set = SceneParts { materials, lights, environment, camera, defaults, ..SceneParts::default() };
+    Ok(SceneParts { name, meshes, spheres, voxels, ..set })
 }
 
 fn find(name: &str) -> Option<&'static Entry> {
@@ -286,7 +295,7 @@ mod tests {
     fn every_entry_makes_a_valid_scene_that_is_lit() {
         for entry in ENTRIES {
             let parts = made(entry.name);
-            assert!(parts.meshes.len() + parts.spheres.len() > 0, "{}", entry.name);
+            assert!(parts.meshes.len() + parts.spheres.len() > 0 || parts.voxels.is_some(), "{}", entry.name);
             let normals_fit = |m: &Mesh| m.normals.is_empty() || turned(m) == 0;
             for mesh in &parts.meshes {
                 assert!(normals_fit(mesh), "{} `{}`: {} turned", entry.name, mesh.name, turned(mesh));

@@ -63,7 +63,7 @@ type Bicubic = [[DVec3; 4]; 4];
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(12, 1..=2048)?;
-    Ok(Body { meshes: vec![mesh(n)], spheres: Vec::new() })
+    Ok(Body { meshes: vec![mesh(n)], ..Body::default() })
 }
 
 /// The pot about the y axis, bottom at 0, `n` steps along each patch edge.

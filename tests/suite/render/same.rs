@@ -117,7 +117,7 @@ fn accelerators_change_no_bit() {
     for integrator in [Integrator::Path, Integrator::Whitted, Integrator::Depth, Integrator::Prim] {
         let settings = room_settings(integrator);
         let expected = film(&room, &settings);
-        for entry in skipgrid::registry::ENTRIES {
+        for entry in skipgrid::registry::ENTRIES.iter().filter(|e| e.needs == skipgrid::registry::Needs::Any) {
             let accel = room.accel(entry.name).expect("a small scene");
             let ours = render(&room, &accel, &settings, &|_, _| ()).expect("usable settings");
             assert_eq!(expected, ours, "{integrator:?} {}", entry.name);
