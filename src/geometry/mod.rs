@@ -3,6 +3,7 @@
 //! Every accelerator runs the same tests in its leaves, so their answers are equal to the bit. A test decides as if in
 //! exact arithmetic: the least `t` wins, and at equal `t` the least index.
 
+pub mod bezier;
 mod exact;
 pub(crate) mod expansion;
 mod indexed;
@@ -12,6 +13,7 @@ mod sphere;
 pub(crate) mod tests;
 mod triangle;
 
+pub use bezier::{BezierPatches, Seed};
 pub use indexed::IndexedTriangles;
 pub use mixed::Mixed;
 pub use sphere::{Sphere, SpherePrep};
@@ -61,6 +63,20 @@ pub trait Geometry: Send + Sync {
     /// The corners if `prim` is a triangle; grids insert triangles by clipping instead of [`Geometry::overlaps`].
     fn triangle(&self, _prim: u32) -> Option<Triangle> {
         None
+    }
+
+    /// True if tests iterate, so that grids keep a [`Seed`] for each reference.
+    const ITERATES: bool = false;
+
+    /// Where tests in the closed box `cell` begin, and the part of `prim` that lies in it; `None` if nothing does.
+    fn seed(&self, _prim: u32, _cell: &Cell) -> Option<Seed> {
+        None
+    }
+
+    /// As [`Geometry::test`], but finds for certain only hits in the box that `seed` comes from. Others may become the
+    /// winner too: they are as good as any.
+    fn test_from(&self, _seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        self.test(prim, ray, prep, best);
     }
 }
 
@@ -149,6 +165,12 @@ macro_rules! forward_geometry {
             fn overlaps(&self, prim: u32, cell: &Cell) -> bool { (**self).overlaps(prim, cell) }
             #[inline]
             fn triangle(&self, prim: u32) -> Option<Triangle> { (**self).triangle(prim) }
+            const ITERATES: bool = G::ITERATES;
+            fn seed(&self, prim: u32, cell: &Cell) -> Option<Seed> { (**self).seed(prim, cell) }
+            #[inline]
+            fn test_from(&self, seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+                (**self).test_from(seed, prim, ray, prep, best);
+            }
         }
     )*};
 }
@@ -187,5 +209,13 @@ where
     #[inline]
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         self.as_slice().triangle(prim)
+    }
+    const ITERATES: bool = <[P] as Geometry>::ITERATES;
+    fn seed(&self, prim: u32, cell: &Cell) -> Option<Seed> {
+        self.as_slice().seed(prim, cell)
+    }
+    #[inline]
+    fn test_from(&self, seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        self.as_slice().test_from(seed, prim, ray, prep, best);
     }
 }

@@ -53,6 +53,12 @@ fn cell(frame: &Frame, v: [u32; 3]) -> Cell {
     Cell { min: frame.lo + (v - PADDING) / frame.inverse, max: frame.lo + (v + 1.0 + PADDING) / frame.inverse }
 }
 
+/// The inflated voxel with an index, as [`Geometry::overlaps`] is asked for it.
+pub(super) fn cell_of(frame: &Frame, index: usize) -> Cell {
+    let [nx, ny, _] = frame.resolution.map(|n| n as usize);
+    cell(frame, [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as u32))
+}
+
 fn rasterise(frame: &Frame, triangle: &Triangle, (min, max): ([u32; 3], [u32; 3]), visit: &mut impl FnMut(usize)) {
     let corners = triangle.map(|p| frame.local(p.as_dvec3()));
     // The axis with most voxels last: its voxels cost nothing but the visit.

@@ -17,7 +17,7 @@ use crate::grid::skip::{
     Chessboard, DirectedSafeZones, DirectedSafeZones24, Distances, DualExtents, Method, Octants, Packed,
     PrintedLanding, PrintedRule, ProximityClouds, SkipOptions,
 };
-use crate::grid::{Branchless, Grid, GridOptions, IntegerWalk};
+use crate::grid::{Branchless, Grid, GridOptions, IntegerWalk, SeedRule};
 
 /// What a user may know about an accelerator before building it.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +51,8 @@ pub const ENTRIES: &[Entry] = &[
         name: "grid",
         summary: "uniform grid, voxel walk with recomputed crossings",
         options: "step=branching|branchless|integer (branching), density=F (voxels a primitive, above 0; 2), \
-                  resolution=N or NxNxN (1..4096), mailbox=on|off (off), memory=BYTES (a quarter of the machine's, at \
-                  most 8G)",
+                  resolution=N or NxNxN (1..4096), mailbox=on|off (off), seeds=voxel|fixed (voxel; where tests of \
+                  patches begin), memory=BYTES (a quarter of the machine's, at most 8G)",
         source: "Amanatides & Woo 1987; lists after Lagae & Dutré 2008",
     },
     Entry {
@@ -233,6 +233,9 @@ fn grid_options(spec: &mut Spec) -> Result<GridOptions> {
     options.resolution = spec.take("resolution", parse_resolution)?;
     if let Some(mailbox) = spec.take_choice("mailbox", &[("on", true), ("off", false)])? {
         options.mailbox = mailbox;
+    }
+    if let Some(seeds) = spec.take_choice("seeds", &[("voxel", SeedRule::Voxel), ("fixed", SeedRule::Fixed)])? {
+        options.seeds = seeds;
     }
     if let Some(memory) = spec.take("memory", spec::parse_bytes)? {
         options.memory = memory;

@@ -89,6 +89,7 @@ pub(super) fn scene(scene: &Scene) -> Result<()> {
     }
     let materials = scene.materials.len();
     let used = scene.meshes.iter().map(|m| m.material).chain(scene.sphere_materials.iter().copied());
+    let used = used.chain(scene.patch_materials.iter().copied());
     match used.max() {
         Some(m) if m as usize >= materials => Err(Error::invalid(format!("material {m} of {materials} is in use"))),
         _ => Ok(()),

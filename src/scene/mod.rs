@@ -12,6 +12,7 @@ mod material;
 pub mod mitsuba;
 #[cfg(feature = "obj")]
 pub mod obj;
+mod patches;
 pub mod povray;
 pub mod procedural;
 pub mod raw;
@@ -27,7 +28,8 @@ pub use material::{Bsdf, Filter, Material, Texture};
 
 use crate::accel::{Accel, Hit};
 use crate::error::Result;
-use crate::geometry::{Mixed, Sphere, Triangle};
+use crate::geometry::bezier::ControlPoints;
+use crate::geometry::{BezierPatches, Mixed, Sphere, Triangle};
 use crate::ray::Ray;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -42,6 +44,8 @@ pub enum SceneGeometry {
     Spheres(Arc<Vec<Sphere>>),
     /// Triangles, then spheres.
     Mixed(Arc<Mixed>),
+    /// Bicubic patches only.
+    Patches(Arc<BezierPatches>),
 }
 
 /// A triangle mesh in world space with what shading needs.
@@ -100,6 +104,8 @@ pub struct Scene {
     pub spheres: Vec<Sphere>,
     /// Material of each sphere.
     pub sphere_materials: Vec<u32>,
+    /// Material of each patch; a scene of patches has no triangle and no sphere.
+    pub patch_materials: Vec<u32>,
     /// Materials; at least one.
     pub materials: Vec<Material>,
     /// Textures that materials refer to.
@@ -140,6 +146,8 @@ pub struct SceneParts {
     pub meshes: Vec<Mesh>,
     /// Spheres with their materials.
     pub spheres: Vec<(Sphere, u32)>,
+    /// Bicubic patches with their materials; not beside meshes or spheres.
+    pub patches: Vec<(ControlPoints, u32)>,
     /// See [`Scene::materials`]; a grey Lambert material is added if there is none.
     pub materials: Vec<Material>,
     /// See [`Scene::textures`].
@@ -168,7 +176,8 @@ impl Scene {
     /// # Errors
     /// A triangle refers to a vertex, or anything to a material or texture, that does not exist; normals or texture
     /// coordinates differ in number from the positions; a texture's size differs from its texels; a light or the camera
-    /// is not finite; more than 2^32 - 2 primitives, or more than memory holds.
+    /// is not finite; more than 2^32 - 2 primitives, or more than memory holds; there are patches beside meshes or
+    /// spheres, or patches that shine.
     pub fn new(parts: SceneParts) -> Result<Scene> {
         let origin = parts.name.clone();
         assemble::assemble(parts, &origin)
@@ -179,9 +188,9 @@ impl Scene {
         *self.mesh_offsets.last().unwrap_or(&0)
     }
 
-    /// Number of primitives: triangles and spheres.
+    /// Number of primitives: triangles and spheres, or patches.
     pub fn primitive_count(&self) -> u32 {
-        self.triangle_count() + self.spheres.len() as u32
+        self.triangle_count() + self.spheres.len() as u32 + self.patch_materials.len() as u32
     }
 
     /// Builds the accelerator that `spec` names over the scene's primitives.
@@ -193,6 +202,7 @@ impl Scene {
             SceneGeometry::Triangles(g) => crate::registry::build(spec, g.clone()),
             SceneGeometry::Spheres(g) => crate::registry::build(spec, g.clone()),
             SceneGeometry::Mixed(g) => crate::registry::build(spec, g.clone()),
+            SceneGeometry::Patches(g) => crate::registry::build(spec, g.clone()),
         }
     }
 

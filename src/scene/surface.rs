@@ -1,6 +1,6 @@
 //! Answers what shading asks of a hit: point, normals, texture coordinates, material; in f64.
 
-use super::{Mesh, Scene, Surface};
+use super::{Mesh, Scene, SceneGeometry, Surface, patches};
 use crate::accel::Hit;
 use crate::geometry::Sphere;
 use crate::ray::Ray;
@@ -12,6 +12,9 @@ const STRAY: f64 = 2.4e-7;
 
 /// See [`Scene::surface`].
 pub(super) fn surface(scene: &Scene, ray: &Ray, hit: Hit) -> Surface {
+    if let SceneGeometry::Patches(set) = &scene.geometry {
+        return patches::surface(set, scene.patch_materials[hit.prim as usize], ray, hit);
+    }
     let triangles = scene.triangle_count();
     if hit.prim >= triangles {
         let i = (hit.prim - triangles) as usize;

@@ -6,7 +6,7 @@ use skipgrid::geometry::{Geometry, Mixed};
 use skipgrid::{Accel, Hit, Ray, Sphere, Triangle, registry};
 
 /// Every entry of the registry by default, and the options that change what is built.
-fn specs() -> Vec<String> {
+pub fn specs() -> Vec<String> {
     let mut specs: Vec<String> = registry::ENTRIES.iter().map(|e| e.name.to_string()).collect();
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
     specs.extend(grids.iter().map(|o| format!("grid:{o}")));
@@ -32,10 +32,15 @@ fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
 }
 
 fn check<G: Geometry>(name: &str, geometry: &G, rays: &[Ray]) {
+    check_with(&specs(), name, geometry, rays);
+}
+
+/// As brute force answers, to the bit, whichever way each of the accelerators is asked.
+pub fn check_with<G: Geometry>(specs: &[String], name: &str, geometry: &G, rays: &[Ray]) {
     let brute = registry::build("brute", geometry).unwrap();
     let truth: Vec<_> = rays.iter().map(|r| bits(brute.closest_hit(r))).collect();
-    for spec in specs() {
-        let accel = registry::build(&spec, geometry).unwrap_or_else(|e| panic!("{name}: {spec}: {e}"));
+    for spec in specs {
+        let accel = registry::build(spec, geometry).unwrap_or_else(|e| panic!("{name}: {spec}: {e}"));
         assert_eq!(accel.bounds(), brute.bounds(), "{name}: {spec}");
         for (ray, &expected) in rays.iter().zip(&truth) {
             let found = bits(accel.closest_hit(ray));
@@ -62,7 +67,7 @@ fn show(ray: &Ray) -> String {
 
 /// Rays of every class around and within a box: random, aimed at the given points, axis-parallel with both zeros, in planes
 /// and along diagonals, far away, tiny and huge directions, short ranges, and rays that are none.
-fn rays(random: &mut Random, centre: Vec3, size: f32, targets: &[Vec3]) -> Vec<Ray> {
+pub fn rays(random: &mut Random, centre: Vec3, size: f32, targets: &[Vec3]) -> Vec<Ray> {
     let mut rays = Vec::new();
     let target = |random: &mut Random| targets[random.below(targets.len())];
     for _ in 0..60 {

@@ -42,7 +42,7 @@ pub fn corners(scene: &Scene, i: usize) -> [Vec3; 3] {
     match &scene.geometry {
         SceneGeometry::Triangles(t) => t[i],
         SceneGeometry::Mixed(m) => m.triangles[i],
-        SceneGeometry::Spheres(_) => panic!("no triangles"),
+        SceneGeometry::Spheres(_) | SceneGeometry::Patches(_) => panic!("no triangles"),
     }
 }
 

@@ -228,6 +228,7 @@ fn filling(scene: &Scene, n: u32) -> Result<Filling> {
         SceneGeometry::Triangles(g) => of(g.clone(), n),
         SceneGeometry::Spheres(g) => of(g.clone(), n),
         SceneGeometry::Mixed(g) => of(g.clone(), n),
+        SceneGeometry::Patches(g) => of(g.clone(), n),
     }
 }
 

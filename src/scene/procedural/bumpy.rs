@@ -36,7 +36,7 @@ fn body(options: &Options) -> Result<Body> {
         let [a, b, c] = t.map(|i| positions[i as usize]);
         a != b && b != c && c != a
     });
-    Ok(Body { meshes: vec![mesh], spheres: Vec::new() })
+    Ok(Body { meshes: vec![mesh], ..Body::default() })
 }
 
 /// The surface over a unit direction, with a normal: the gradient of |p| - radius(p / |p|).

@@ -51,7 +51,7 @@ fn body(options: &Options) -> Result<Body> {
             meshes.push(mesh);
         }
     }
-    Ok(Body { meshes, spheres: Vec::new() })
+    Ok(Body { meshes, ..Body::default() })
 }
 
 /// A closed skin of 3000 triangles or so: superellipses across, the outline along.

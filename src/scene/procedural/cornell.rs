@@ -35,7 +35,7 @@ fn body(_: &Options) -> Result<Body> {
         block("tall block", [-1.8, 0.0, -1.8], [3.0, 6.0, 3.0], 18.0),
         block("low block", [1.8, 0.0, 1.6], [3.0, 3.0, 3.0], -17.0),
     ];
-    Ok(Body { meshes, spheres: Vec::new() })
+    Ok(Body { meshes, ..Body::default() })
 }
 
 /// A block that stands 0.02 above `foot`, turned about its axis by `degrees`.

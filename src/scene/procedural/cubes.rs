@@ -36,7 +36,7 @@ fn body(options: &Options) -> Result<Body> {
         }
         meshes.push(all);
     }
-    Ok(Body { meshes, spheres: Vec::new() })
+    Ok(Body { meshes, ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

@@ -32,7 +32,7 @@ const CHILDREN: [[f64; 3]; 9] = [
 ];
 
 fn body(options: &Options) -> Result<Body> {
-    Ok(Body { meshes: Vec::new(), spheres: spheres(options.depth(4, 0..=7)?) })
+    Ok(Body { spheres: spheres(options.depth(4, 0..=7)?), ..Body::default() })
 }
 
 /// `depth` levels below the sphere of radius 0.5 about the origin, which points to +z; with their levels.

@@ -28,7 +28,7 @@ fn body(options: &Options) -> Result<Body> {
         let normal = cos * side + sin * up;
         (centre + TUBE * normal, normal)
     });
-    Ok(Body { meshes: vec![mesh], spheres: Vec::new() })
+    Ok(Body { meshes: vec![mesh], ..Body::default() })
 }
 
 /// The point of the knot at angle `t`, and two unit vectors across it, turned so that the patch's front looks outwards.

@@ -29,7 +29,7 @@ fn body(options: &Options) -> Result<Body> {
             }));
         }
     }
-    Ok(Body { meshes: Vec::new(), spheres })
+    Ok(Body { spheres, ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

@@ -7,15 +7,17 @@ mod cubes;
 mod flakes;
 mod knot;
 mod lanes;
-mod patch;
+pub(super) mod patch;
 mod random;
 pub mod spd;
 mod teapot;
+mod teapot_patches;
 mod teapot_stadium;
 
 use super::{Bsdf, Camera, CameraSource, Light, Material, Mesh, RenderDefaults, SceneParts};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
+use crate::geometry::bezier::ControlPoints;
 use crate::registry::did_you_mean;
 use glam::{DVec3, Vec3};
 use std::ops::RangeInclusive;
@@ -46,6 +48,7 @@ pub const ENTRIES: &[Entry] = &[
     cars::ENTRY,
     teapot_stadium::ENTRY,
     teapot::ENTRY,
+    teapot_patches::ENTRY,
     cornell::ENTRY,
     knot::ENTRY,
     bumpy::ENTRY,
@@ -110,6 +113,7 @@ fn within(key: &str, value: u64, range: RangeInclusive<u64>) -> Result<u32> {
 pub(super) struct Body {
     pub(super) meshes: Vec<Mesh>,
     pub(super) spheres: Vec<(Sphere, u32)>,
+    pub(super) patches: Vec<(ControlPoints, u32)>,
 }
 
 /// What makes a scene of a body.
@@ -159,11 +163,12 @@ pub(super) fn body(name: &str, options: &Options) -> Result<Body> {
 }
 
 fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
-    let Body { mut meshes, mut spheres } = (entry.body)(options)?;
+    let Body { mut meshes, mut spheres, mut patches } = (entry.body)(options)?;
     let Stage { palette, props, lights, environment, camera, defaults } = (entry.stage)(options);
     let colours = palette.len().max(1) as u32;
     meshes.iter_mut().for_each(|m| m.material %= colours);
     spheres.iter_mut().for_each(|(_, m)| *m %= colours);
+    patches.iter_mut().for_each(|(_, m)| *m %= colours);
     let mut materials = palette;
     for (mut mesh, material) in props {
         mesh.material = materials.len() as u32;
@@ -171,7 +176,18 @@ fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
         meshes.push(mesh);
     }
     let name = entry.name.to_owned();
-    Ok(SceneParts { name, meshes, spheres, materials, lights, environment, camera, defaults, ..SceneParts::default() })
+    Ok(SceneParts {
+        name,
+        meshes,
+        spheres,
+        patches,
+        materials,
+        lights,
+        environment,
+        camera,
+        defaults,
+        ..SceneParts::default()
+    })
 }
 
 fn find(name: &str) -> Option<&'static Entry> {
@@ -286,7 +302,7 @@ mod tests {
     fn every_entry_makes_a_valid_scene_that_is_lit() {
         for entry in ENTRIES {
             let parts = made(entry.name);
-            assert!(parts.meshes.len() + parts.spheres.len() > 0, "{}", entry.name);
+            assert!(parts.meshes.len() + parts.spheres.len() + parts.patches.len() > 0, "{}", entry.name);
             let normals_fit = |m: &Mesh| m.normals.is_empty() || turned(m) == 0;
             for mesh in &parts.meshes {
                 assert!(normals_fit(mesh), "{} `{}`: {} turned", entry.name, mesh.name, turned(mesh));

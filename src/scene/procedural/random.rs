@@ -28,7 +28,7 @@ fn body(options: &Options) -> Result<Body> {
         let radius = largest * rng.within(0.25, 1.0);
         (Sphere { centre: DVec3::new(x, y, z).as_vec3(), radius: radius as f32 }, i)
     });
-    Ok(Body { meshes: Vec::new(), spheres: spheres.collect() })
+    Ok(Body { spheres: spheres.collect(), ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

@@ -45,7 +45,7 @@ fn body(options: &Options) -> Result<Body> {
     stands.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     (field.normals, stands.normals) = (Vec::new(), Vec::new());
     (field.material, stands.material) = (1, 2);
-    Ok(Body { meshes: vec![teapot::mesh(n), field, stands], spheres: Vec::new() })
+    Ok(Body { meshes: vec![teapot::mesh(n), field, stands], ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

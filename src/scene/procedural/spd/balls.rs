@@ -19,7 +19,7 @@ pub(in super::super) const ENTRY: Entry = Entry {
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(4, 1..=18)?;
     limit((9_u64.pow(n + 1) - 1) / 8)?;
-    Ok(Body { meshes: Vec::new(), spheres: flakes::spheres(n) })
+    Ok(Body { spheres: flakes::spheres(n), ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

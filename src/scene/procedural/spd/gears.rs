@@ -42,7 +42,7 @@ fn body(options: &Options) -> Result<Body> {
         mesh.material = x + n * (y + n * z);
         meshes.push(mesh);
     }
-    Ok(Body { meshes, spheres: Vec::new() })
+    Ok(Body { meshes, ..Body::default() })
 }
 
 /// Column, row and layer of all gears, columns first.

@@ -45,7 +45,7 @@ fn body(options: &Options) -> Result<Body> {
             level = level.iter().flat_map(|&frame| eighths(frame)).collect();
         }
     }
-    Ok(Body { meshes: vec![bars], spheres })
+    Ok(Body { meshes: vec![bars], spheres, ..Body::default() })
 }
 
 /// The frames of half the size in the corners.

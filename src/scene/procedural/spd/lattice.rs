@@ -46,7 +46,7 @@ fn body(options: &Options) -> Result<Body> {
             }
         }
     }
-    Ok(Body { meshes: bars.into(), spheres })
+    Ok(Body { meshes: bars.into(), spheres, ..Body::default() })
 }
 
 fn stage(options: &Options) -> Stage {

@@ -38,7 +38,7 @@ fn body(options: &Options) -> Result<Body> {
     // Samples of a patch run along u first, as the heights along x.
     mesh.positions.iter_mut().zip(heights(n)).for_each(|(p, z)| p.z = z as f32);
     let sphere = |centre: DVec3| (Sphere { centre: centre.as_vec3(), radius: BALL_RADIUS as f32 }, 1);
-    Ok(Body { meshes: vec![mesh], spheres: balls().map(sphere).to_vec() })
+    Ok(Body { meshes: vec![mesh], spheres: balls().map(sphere).to_vec(), ..Body::default() })
 }
 
 /// Heights of the (2^n + 1)^2 grid points, x first, by halving squares.

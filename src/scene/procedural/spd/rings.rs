@@ -53,7 +53,7 @@ fn body(options: &Options) -> Result<Body> {
             }
         }
     }
-    Ok(Body { meshes: tubes, spheres })
+    Ok(Body { meshes: tubes, spheres, ..Body::default() })
 }
 
 /// Joints of the six rings of an object that fits into a unit ball: midpoints of a dodecahedron's edges.

@@ -29,7 +29,7 @@ fn body(options: &Options) -> Result<Body> {
         let centre = radius * DVec3::new(angle.sin(), angle.cos(), -2.0);
         (Sphere { centre: centre.as_vec3(), radius: radius as f32 }, 0)
     };
-    Ok(Body { meshes: Vec::new(), spheres: (0..=steps).map(sphere).collect() })
+    Ok(Body { spheres: (0..=steps).map(sphere).collect(), ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

@@ -32,7 +32,7 @@ fn body(options: &Options) -> Result<Body> {
         (DVec3::new(place(v), height - 3.0, place(u)), DVec3::ZERO)
     });
     mesh.normals = Vec::new();
-    Ok(Body { meshes: vec![mesh], spheres: Vec::new() })
+    Ok(Body { meshes: vec![mesh], ..Body::default() })
 }
 
 fn ripples(x: f64, y: f64) -> f64 {

@@ -28,7 +28,7 @@ fn body(options: &Options) -> Result<Body> {
     let upright = |p: &mut Vec3| *p = Vec3::new(p.x, 0.0 - p.z, p.y);
     pot.positions.iter_mut().for_each(upright);
     pot.normals.iter_mut().for_each(upright);
-    Ok(Body { meshes: vec![pot], spheres: Vec::new() })
+    Ok(Body { meshes: vec![pot], ..Body::default() })
 }
 
 /// The squares of one colour on -4..4 at z = 0: those whose column and row add up to an odd number, or an even one.

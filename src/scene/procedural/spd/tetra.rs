@@ -36,7 +36,7 @@ fn body(options: &Options) -> Result<Body> {
         let faces = [[0, 1, 2], [3, 2, 1], [2, 3, 0], [1, 0, 3]];
         mesh.triangles.extend(faces.map(|face| face.map(|i| first + i)));
     }
-    Ok(Body { meshes: vec![mesh], spheres: Vec::new() })
+    Ok(Body { meshes: vec![mesh], ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

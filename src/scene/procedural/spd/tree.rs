@@ -50,7 +50,7 @@ fn body(options: &Options) -> Result<Body> {
             level = level.iter().flat_map(|&frame| forks.map(|fork| frame * fork)).collect();
         }
     }
-    Ok(Body { meshes: vec![branches], spheres })
+    Ok(Body { meshes: vec![branches], spheres, ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {
