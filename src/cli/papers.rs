@@ -6,7 +6,7 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, semwal_kvarnstrom, spd};
+use crate::papers::{Report, amanatides_woo, newton_seeds, semwal_kvarnstrom, spd};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -32,6 +32,7 @@ pub struct Args {
 #[derive(Debug, clap::Subcommand)]
 enum Paper {
     AmanatidesWoo(AmanatidesWoo),
+    NewtonSeeds(NewtonSeeds),
     SemwalKvarnstrom(SemwalKvarnstrom),
     Spd(Spd),
 }
@@ -42,6 +43,21 @@ struct AmanatidesWoo {
     /// Subdivisions of each axis; the paper's own come on top (1 to 128)
     #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
     grids: Vec<u32>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Amanatides & Woo 1987, last section: bicubic patches by Newton's method with starting points in the voxels
+#[derive(Debug, clap::Args)]
+struct NewtonSeeds {
+    /// Voxels on each axis (4,8,16,32,64)
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
+    grids: Vec<u32>,
+
+    /// Steps along each patch edge of the tessellated teapots (4,8,16,32,64)
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
+    meshes: Vec<u32>,
 
     #[command(flatten)]
     common: Common,
@@ -133,6 +149,7 @@ fn grid() -> RangedU64ValueParser<u32> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let common = match &args.paper {
         Paper::AmanatidesWoo(AmanatidesWoo { common, .. })
+        | Paper::NewtonSeeds(NewtonSeeds { common, .. })
         | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
         | Paper::Spd(Spd { common, .. }) => common,
     };
@@ -201,6 +218,11 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
         Paper::AmanatidesWoo(args) => {
             let grids = or(&args.grids, &[1, 2, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128], &[2, 4, 8]);
             amanatides_woo::run(&amanatides_woo::Options { size, rounds, grids }, &watch)
+        }
+        Paper::NewtonSeeds(args) => {
+            let grids = or(&args.grids, &[4, 8, 16, 32, 64], &[4, 16]);
+            let meshes = or(&args.meshes, &[4, 8, 16, 32, 64], &[4, 8]);
+            newton_seeds::run(&newton_seeds::Options { size, rounds, grids, meshes }, &watch)
         }
         Paper::SemwalKvarnstrom(args) => {
             let grids = or(&args.grids, &[32, 64, 128], &[16, 32]);

@@ -253,11 +253,12 @@ impl Search<'_> {
             _ => 0.5 * (low + high),
         };
         let (u, v) = (place(part.rect.u), place(part.rect.v));
-        if self.method == Method::Subdivision
-            && let Polished::Root(root) = polish(self.patch, self.pencil, &shared.nets, part.rect.centre())
-        {
-            self.offer(root);
-            return;
+        if self.method == Method::Subdivision {
+            match polish(self.patch, self.pencil, &shared.nets, part.rect.centre()) {
+                Polished::Root(root) => return self.offer(root),
+                Polished::Outside => return,
+                Polished::Diverged => {}
+            }
         }
         let sharp = Sharp::at(self.patch, self.pencil, u, v);
         self.offer(Root { u, v, t: self.pencil.parameter(sharp.depth, self.patch) });

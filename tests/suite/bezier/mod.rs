@@ -2,6 +2,7 @@
 
 mod conform;
 mod exact;
+mod papers;
 mod pictures;
 mod truth;
 
