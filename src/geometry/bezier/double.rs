@@ -124,8 +124,8 @@ const ON_BORDER: f64 = 1.0 / (1_u64 << 60) as f64;
 /// What is at the end of Newton's method.
 pub(super) enum Polished {
     Root(Root),
-    /// A root that is not on the patch.
-    Outside,
+    /// A root that is not on the patch, at this (u, v).
+    Outside(f64, f64),
     /// Nothing that it converges to.
     Diverged,
 }
@@ -149,7 +149,7 @@ pub(super) fn polish(patch: &BezierPatch, pencil: &Pencil, nets: &[Net; 3], star
         if du.abs() <= SMALL && dv.abs() <= SMALL {
             let inside = |x: f64, dx: f64| x + dx >= -ON_BORDER && (x - 1.0) + dx <= ON_BORDER;
             if !(inside(u, du) && inside(v, dv)) {
-                return Polished::Outside;
+                return Polished::Outside(u + du, v + dv);
             }
             // The net of the depth is that of the coordinate times the direction's.
             let moved = (h.0 * du + h.1 * dv) / pencil.direction;

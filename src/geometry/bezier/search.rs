@@ -225,24 +225,31 @@ impl Search<'_> {
         let run = newton(&shared.nets, start);
         self.tally.runs += 1;
         self.tally.iterations += u64::from(run.iterations);
-        let found = run.root.filter(|&at| part.rect.contains(at, OUTSIDE));
-        let Some(at) = found else {
-            self.tally.failures += 1;
+        let settled = run.root.is_some_and(|at| self.settle(part, at, shared));
+        self.tally.failures += u64::from(!settled);
+        settled
+    }
+
+    /// Offers the root near `at`, if it is one of the patch; false if it is none of the part.
+    fn settle(&mut self, part: &Part, at: (f64, f64), shared: &Shared) -> bool {
+        // How far Newton's method in f64 may be off: far more than it is unless the ray grazes the patch.
+        const NEAR: f64 = 1.0 / (1_u64 << 20) as f64;
+        if !part.rect.contains(at, NEAR) {
             return false;
-        };
+        }
         let depth = shared.nets[2].value_and_slopes(at.0, at.1).0;
-        if self.is_useless((depth, depth), shared) {
+        let off = shared.size * NEAR;
+        if part.rect.contains(at, 0.0) && self.is_useless((depth - off, depth + off), shared) {
             return true;
         }
         match polish(self.patch, self.pencil, &shared.nets, at) {
-            Polished::Root(root) => self.offer(root),
-            Polished::Outside => {}
-            Polished::Diverged => {
-                self.tally.failures += 1;
-                return false;
+            Polished::Root(root) => {
+                self.offer(root);
+                part.rect.contains((root.u, root.v), OUTSIDE)
             }
+            Polished::Outside(u, v) => part.rect.contains((u, v), OUTSIDE),
+            Polished::Diverged => false,
         }
-        true
     }
 
     /// A part too small to be halved: a hit at its centre, or at the patch's border where it reaches it.
@@ -256,7 +263,7 @@ impl Search<'_> {
         if self.method == Method::Subdivision {
             match polish(self.patch, self.pencil, &shared.nets, part.rect.centre()) {
                 Polished::Root(root) => return self.offer(root),
-                Polished::Outside => return,
+                Polished::Outside(..) => return,
                 Polished::Diverged => {}
             }
         }

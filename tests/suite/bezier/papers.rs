@@ -41,7 +41,8 @@ fn seeds_are_measured_and_judged() {
         // A part of a patch needs no more halvings than the whole, and the whole fewer with Newton's method than without.
         assert!(number(voxel, "halvings/test") <= number(fixed, "halvings/test"), "{voxel} {fixed}");
         assert!(number(fixed, "halvings/test") < number(halved, "halvings/test"), "{fixed} {halved}");
-        assert_eq!(number(voxel, "tests/ray"), number(fixed, "tests/ray"));
+        // A test that looks at the whole patch may find the winner of a voxel further on, and end the walk earlier.
+        assert!(number(voxel, "tests/ray") >= number(fixed, "tests/ray"));
     }
     for row in rows(&report, "alone") {
         assert!(number(row, "hits") > 50.0, "{row}");
@@ -71,7 +72,7 @@ fn the_verbs_take_patches() {
     let accels = ["--accel", "grid", "--accel", "grid:seeds=fixed", "--accel", "grid-dsz", "--accel", "brute"];
     skipgrid(&folder, &[&["compare", "teapot-patches"][..], &few, &accels].concat());
     skipgrid(&folder, &["render", "teapot-patches", "--size", "24x24", "--spp", "1", "-o", "pot.png"]);
-    skipgrid(&folder, &["export", "teapot-patches", "-o", "pot.pov"]);
+    skipgrid(&folder, &["export", "teapot-patches", "--to", "povray", "-o", "pot.pov"]);
     let scene = "[[procedural]]\ntype = \"teapot-patches\"\nscale = 2.0\nrotate = [0.0, 30.0, 0.0]\n";
     std::fs::write(folder.join("pot.toml"), scene).expect("writable");
     skipgrid(&folder, &["info", "pot.toml"]);
