@@ -2,10 +2,12 @@
 
 mod brute;
 mod probe;
+mod shadows;
 
 pub use brute::BruteForce;
 pub(crate) use brute::{scan_all, scan_any};
 pub use probe::{Counts, Probe};
+pub use shadows::{PointShadows, Shadow};
 
 use crate::ray::{Aabb, Ray};
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, newton_seeds, semwal_kvarnstrom, spd};
+use crate::papers::{Report, amanatides_woo, newton_seeds, semwal_kvarnstrom, shadow_voxels, spd};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,7 @@ enum Paper {
     AmanatidesWoo(AmanatidesWoo),
     NewtonSeeds(NewtonSeeds),
     SemwalKvarnstrom(SemwalKvarnstrom),
+    ShadowVoxels(ShadowVoxels),
     Spd(Spd),
 }
 
@@ -75,6 +76,17 @@ struct SemwalKvarnstrom {
     accels: Vec<String>,
 
     /// One of the paper's scenes; give it once for each (random, lanes, flakes, cars)
+    #[arg(long = "scene", value_name = "S")]
+    scenes: Vec<String>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Amanatides & Woo 1987, last section: two bits a light and voxel that spare shadow rays
+#[derive(Debug, clap::Args)]
+struct ShadowVoxels {
+    /// Scene, a file or one made by formula; give it once for each (seven made by formula)
     #[arg(long = "scene", value_name = "S")]
     scenes: Vec<String>,
 
@@ -151,6 +163,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Paper::AmanatidesWoo(AmanatidesWoo { common, .. })
         | Paper::NewtonSeeds(NewtonSeeds { common, .. })
         | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
+        | Paper::ShadowVoxels(ShadowVoxels { common, .. })
         | Paper::Spd(Spd { common, .. }) => common,
     };
     for file in common.output.iter().chain(&common.svg) {
@@ -228,6 +241,10 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
             let grids = or(&args.grids, &[32, 64, 128], &[16, 32]);
             let (accels, scenes) = (accels(&args.accels, &[]), args.scenes.clone());
             semwal_kvarnstrom::run(&semwal_kvarnstrom::Options { size, rounds, grids, accels, scenes }, &watch)
+        }
+        Paper::ShadowVoxels(args) => {
+            let scenes = args.scenes.clone();
+            shadow_voxels::run(&shadow_voxels::Options { size, rounds, scenes }, &watch)
         }
         Paper::Spd(args) => {
             let (accels, scenes) = (accels(&args.accels, &spd::BVHS), args.scenes.clone());

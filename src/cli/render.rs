@@ -5,7 +5,7 @@ use super::console::Console;
 use super::input::{DEFAULT_ACCEL, SceneArgs, check_picture, note_camera, parse_size};
 use crate::error::{Error, Result};
 use crate::picture::io::{self, Attributes};
-use crate::render::{Crop, Integrator, Sampler, Settings, render};
+use crate::render::{Crop, Integrator, RenderStats, Sampler, Settings, render};
 use crate::scene::Scene;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -62,6 +62,11 @@ pub struct Args {
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     crop: Option<Crop>,
 
+    /// Whether rays to point and spot lights ask shadow voxels first; no bit of the picture changes (auto: where there are
+    /// many rays for each primitive and light)
+    #[arg(long, value_enum, default_value_t)]
+    shadow_voxels: Choice,
+
     /// Worker threads; default: as many as there are cores
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
@@ -102,6 +107,24 @@ enum SamplerName {
     Regular,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Choice {
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+impl Choice {
+    fn wish(self) -> Option<bool> {
+        match self {
+            Choice::Auto => None,
+            Choice::On => Some(true),
+            Choice::Off => Some(false),
+        }
+    }
+}
+
 /// Renders and writes.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     check_picture(&args.out)?;
@@ -127,6 +150,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     io::write(&args.out, &film.picture(), &attributes(&args.scene.scene, &spec, &settings))?;
     if film.stats.discarded > 0 {
         console.warn(format!("{} samples were not finite and count as black", film.stats.discarded));
+    }
+    let RenderStats { shadow, spared, shortened, .. } = film.stats;
+    if spared + shortened > 0 {
+        let share = |rays: u64| 100.0 * rays as f64 / (shadow + spared) as f64;
+        let (spared, shortened) = (share(spared), share(shortened));
+        console.note(format!("shadow voxels spared {spared:.1} % of the rays to lights, shortened {shortened:.1} %"));
     }
     let rays = film.stats.rays() as f64 / 1e6;
     console.note(format!(
@@ -173,6 +202,7 @@ fn settings(args: &Args, scene: &Scene) -> Result<Settings> {
         seed: args.seed,
         max_depth: args.max_depth.or(wish.max_depth).unwrap_or(default.max_depth),
         threads: args.threads.map(|n| n as usize),
+        shadow_voxels: args.shadow_voxels.wish(),
         ..default
     })
 }

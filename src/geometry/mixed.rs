@@ -78,4 +78,9 @@ impl Geometry for Mixed {
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         self.triangles.get(prim as usize).copied()
     }
+
+    #[inline]
+    fn sphere(&self, prim: u32) -> Option<Sphere> {
+        self.spheres.get((prim as usize).checked_sub(self.triangles.len())?).copied()
+    }
 }

@@ -78,6 +78,11 @@ pub trait Geometry: Send + Sync {
     fn test_from(&self, _seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
         self.test(prim, ray, prep, best);
     }
+
+    /// The sphere if `prim` is one.
+    fn sphere(&self, _prim: u32) -> Option<Sphere> {
+        None
+    }
 }
 
 /// Index of "no primitive".
@@ -171,6 +176,8 @@ macro_rules! forward_geometry {
             fn test_from(&self, seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
                 (**self).test_from(seed, prim, ray, prep, best);
             }
+            #[inline]
+            fn sphere(&self, prim: u32) -> Option<Sphere> { (**self).sphere(prim) }
         }
     )*};
 }
@@ -217,5 +224,9 @@ where
     #[inline]
     fn test_from(&self, seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
         self.as_slice().test_from(seed, prim, ray, prep, best);
+    }
+    #[inline]
+    fn sphere(&self, prim: u32) -> Option<Sphere> {
+        self.as_slice().sphere(prim)
     }
 }

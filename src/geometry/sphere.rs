@@ -214,6 +214,11 @@ impl Geometry for [Sphere] {
         best.t() as f32 + 0.0 // -0 becomes 0
     }
 
+    #[inline]
+    fn sphere(&self, prim: u32) -> Option<Sphere> {
+        Some(self[prim as usize])
+    }
+
     /// False if the box lies outside the ball or strictly inside it: only the surface counts.
     fn overlaps(&self, prim: u32, cell: &Cell) -> bool {
         let sphere = &self[prim as usize];

@@ -1,7 +1,7 @@
 //! From world to voxel coordinates: where the grid lies, how many voxels it has, how far they are padded.
 
 use super::options::GridOptions;
-use crate::ray::Aabb;
+use crate::ray::{Aabb, Cell};
 use glam::DVec3;
 
 /// Voxels reach this far beyond their faces when primitives are inserted, in voxels.
@@ -60,6 +60,26 @@ impl Frame {
     #[inline]
     pub fn size(&self) -> DVec3 {
         DVec3::from(self.resolution.map(f64::from))
+    }
+
+    /// The voxel that holds a point in world coordinates; `None` outside the grid.
+    #[inline]
+    pub fn voxel_at(&self, world: DVec3) -> Option<usize> {
+        let p = self.local(world);
+        let inside = p.cmpge(DVec3::ZERO).all() && p.cmplt(self.size()).all();
+        inside.then(|| self.index([p.x as u32, p.y as u32, p.z as u32]))
+    }
+
+    /// The inflated voxel in world coordinates.
+    pub fn cell(&self, voxel: [u32; 3]) -> Cell {
+        let v = DVec3::from(voxel.map(f64::from));
+        Cell { min: self.lo + (v - PADDING) / self.inverse, max: self.lo + (v + 1.0 + PADDING) / self.inverse }
+    }
+
+    /// The voxel of an index.
+    pub fn coordinates(&self, index: usize) -> [u32; 3] {
+        let [nx, ny, _] = self.resolution.map(|n| n as usize);
+        [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as u32)
     }
 
     /// Index of a voxel: x varies fastest.

@@ -20,6 +20,7 @@ mod occupancy;
 mod options;
 mod parallel;
 mod seeds;
+mod shadow;
 pub mod skip;
 mod voxelise;
 mod voxels;
@@ -29,6 +30,7 @@ mod walk_integer;
 
 pub use options::GridOptions;
 pub use seeds::SeedRule;
+pub use shadow::ShadowVoxels;
 pub use voxels::{Face, VoxelGrid, VoxelVisit, VoxelVisits};
 pub use walk::Walk;
 pub use walk_branchless::Branchless;

@@ -7,7 +7,6 @@
 
 use super::frame::{Frame, PADDING};
 use crate::geometry::{Geometry, Triangle};
-use crate::ray::Cell;
 use glam::DVec3;
 
 /// Calls `visit` with the index of every voxel that `prim` overlaps, each once. Nothing if no ray can hit it.
@@ -24,7 +23,7 @@ pub(super) fn voxels_of<G: Geometry>(geometry: &G, prim: u32, frame: &Frame, vis
         Some(_) if long_axes <= 1 => each(min, max, |v| visit(frame.index(v))),
         Some(triangle) => rasterise(frame, &triangle, (min, max), visit),
         None => each(min, max, |v| {
-            if geometry.overlaps(prim, &cell(frame, v)) {
+            if geometry.overlaps(prim, &frame.cell(v)) {
                 visit(frame.index(v));
             }
         }),
@@ -45,18 +44,6 @@ fn each(min: [u32; 3], max: [u32; 3], mut visit: impl FnMut([u32; 3])) {
             }
         }
     }
-}
-
-/// The inflated voxel in world coordinates.
-fn cell(frame: &Frame, v: [u32; 3]) -> Cell {
-    let v = DVec3::from(v.map(f64::from));
-    Cell { min: frame.lo + (v - PADDING) / frame.inverse, max: frame.lo + (v + 1.0 + PADDING) / frame.inverse }
-}
-
-/// The inflated voxel with an index, as [`Geometry::overlaps`] is asked for it.
-pub(super) fn cell_of(frame: &Frame, index: usize) -> Cell {
-    let [nx, ny, _] = frame.resolution.map(|n| n as usize);
-    cell(frame, [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as u32))
 }
 
 fn rasterise(frame: &Frame, triangle: &Triangle, (min, max): ([u32; 3], [u32; 3]), visit: &mut impl FnMut(usize)) {

@@ -9,6 +9,7 @@ pub mod plot;
 pub mod printed_walk;
 pub mod report;
 pub mod semwal_kvarnstrom;
+pub mod shadow_voxels;
 pub mod spd;
 pub mod trace;
 

@@ -81,6 +81,7 @@ pub fn settings(size: u32) -> Settings {
         sampler: Sampler::Regular(1),
         max_depth: MAX_DEPTH,
         threads: Some(1),
+        shadow_voxels: Some(false),
         ..Settings::default()
     }
 }

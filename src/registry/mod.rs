@@ -8,7 +8,7 @@ pub(crate) use spec::did_you_mean;
 #[cfg(feature = "cli")]
 pub(crate) use spec::parse_bytes;
 
-use crate::accel::{Accel, BruteForce};
+use crate::accel::{Accel, BruteForce, PointShadows};
 #[cfg(feature = "obvhs")]
 use crate::adapters::obvhs::{self, Preset};
 use crate::error::Result;
@@ -17,7 +17,8 @@ use crate::grid::skip::{
     Chessboard, DirectedSafeZones, DirectedSafeZones24, Distances, DualExtents, Method, Octants, Packed,
     PrintedLanding, PrintedRule, ProximityClouds, SkipOptions,
 };
-use crate::grid::{Branchless, Grid, GridOptions, IntegerWalk, SeedRule};
+use crate::grid::{Branchless, Grid, GridOptions, IntegerWalk, SeedRule, ShadowVoxels};
+use glam::DVec3;
 
 /// What a user may know about an accelerator before building it.
 #[derive(Clone, Copy, Debug)]
@@ -164,6 +165,14 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
     })
 }
 
+/// Builds shadow voxels over `geometry` for point lights at `lights`, world units, in a grid by default options.
+///
+/// # Errors
+/// As [`ShadowVoxels::build`].
+pub fn shadow_voxels<'a, G: Geometry + 'a>(geometry: G, lights: &[DVec3]) -> Result<Box<dyn PointShadows + 'a>> {
+    Ok(Box::new(ShadowVoxels::build(geometry, lights, &GridOptions::default())?))
+}
+
 /// `spec` with the option `key=value`, where its accelerator has that option and `spec` does not set it.
 #[cfg(feature = "cli")]
 pub(crate) fn with_default(spec: &str, key: &str, value: &str) -> String {
@@ -284,6 +293,7 @@ mod tests {
             ("grid:density=1,density=2", "twice"),
             ("brute:density=1", "unknown option"),
             ("obvhs-cwbvh:preset=best", "very_slow"),
+            ("grid:seeds=none", "voxel|fixed"),
             ("grid:step=fast", "branching|branchless|integer"),
             ("grid-dsz:step=branchless", "unknown option `step`"),
             ("grid-dsz:threshold=0", "threshold"),

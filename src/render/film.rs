@@ -30,6 +30,10 @@ pub struct RenderStats {
     pub shadow: u64,
     /// Closest-hit rays from surfaces.
     pub bounce: u64,
+    /// Rays towards lights that need not be traced, because shadow voxels knew their answer.
+    pub spared: u64,
+    /// Of the rays towards lights, those that shadow voxels let end early.
+    pub shortened: u64,
     /// Samples that were not finite and count as black. Not 0 only where coordinates or colours come near the end of
     /// the range of their numbers.
     pub discarded: u64,
@@ -47,6 +51,8 @@ impl std::ops::AddAssign for RenderStats {
         self.camera += other.camera;
         self.shadow += other.shadow;
         self.bounce += other.bounce;
+        self.spared += other.spared;
+        self.shortened += other.shortened;
         self.discarded += other.discarded;
     }
 }

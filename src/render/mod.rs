@@ -7,6 +7,7 @@ mod integrator;
 mod light;
 mod sampler;
 mod scatter;
+mod shadows;
 mod spawn;
 mod texture;
 mod tiles;
@@ -85,6 +86,9 @@ pub struct Settings {
     pub rr_depth: u32,
     /// Worker threads; `None`: as many as there are cores.
     pub threads: Option<usize>,
+    /// Whether shadow rays to point and spot lights ask shadow voxels first, which changes no bit of the picture; `None`: where
+    /// they are likely to pay.
+    pub shadow_voxels: Option<bool>,
 }
 
 impl Default for Settings {
@@ -99,6 +103,7 @@ impl Default for Settings {
             max_depth: 8,
             rr_depth: 5,
             threads: None,
+            shadow_voxels: None,
         }
     }
 }
@@ -111,7 +116,7 @@ impl Default for Settings {
 /// # Errors
 /// A size or count is zero or beyond what memory allows; the crop lies outside the picture; `max_depth` is 0, or above
 /// 256 for [`Integrator::Whitted`] and 65536 for the others; the camera has no view; a material or texture is out of its
-/// stated range.
+/// stated range; shadow voxels are asked for and do not fit into memory.
 pub fn render<A: Accel + ?Sized>(
     scene: &Scene,
     accel: &A,
@@ -121,9 +126,12 @@ pub fn render<A: Accel + ?Sized>(
     let area = check::settings(settings)?;
     check::scene(scene)?;
     let bounds = accel.bounds();
+    let lights = light::Lights::new(scene, &bounds);
+    let shadows = shadows::known(scene, lights.points(), settings)?;
     let stage = Stage {
         scene,
-        lights: light::Lights::new(scene, &bounds),
+        lights,
+        shadows,
         spawner: spawn::Spawner::new(&bounds),
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,

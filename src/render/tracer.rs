@@ -3,7 +3,7 @@
 use super::film::RenderStats;
 use super::light::{Arrival, Lights, Target};
 use super::spawn::Spawner;
-use crate::accel::{Accel, Counts, Hit};
+use crate::accel::{Accel, Counts, Hit, PointShadows, Shadow};
 use crate::ray::Ray;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
@@ -14,6 +14,8 @@ pub(super) struct Stage<'a> {
     pub scene: &'a Scene,
     /// Its lights.
     pub lights: Lights,
+    /// What is known of shadow rays to [`Lights::points`], if anything.
+    pub shadows: Option<Box<dyn PointShadows>>,
     /// Makes rays that start on surfaces.
     pub spawner: Spawner,
     /// Longest path in edges.
@@ -85,13 +87,27 @@ impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
 
     /// True if nothing lies between the surface and where the light comes from.
     pub fn lit(&mut self, vertex: &Vertex, arrival: &Arrival) -> bool {
-        self.stats.shadow += 1;
         let spawner = &self.stage.spawner;
         let ray = match arrival.target {
-            Target::Point(target) => spawner.ending_at(vertex.position, vertex.geometric, target),
+            Target::Point(target, number) => {
+                let ray = spawner.ending_at(vertex.position, vertex.geometric, target);
+                let asked = self.stage.shadows.as_ref().map(|s| s.ask(number, vertex.prim, &ray));
+                match asked.unwrap_or(Shadow::Unknown) {
+                    known @ (Shadow::Lit | Shadow::Dark) => {
+                        self.stats.spared += 1;
+                        return known == Shadow::Lit;
+                    }
+                    Shadow::Until(t) => {
+                        self.stats.shortened += 1;
+                        ray.with_range(ray.t_min, t)
+                    }
+                    Shadow::Unknown => ray,
+                }
+            }
             Target::Surface(target, normal) => spawner.ending_on(vertex.position, vertex.geometric, target, normal),
             Target::Infinity => spawner.along(vertex.position, vertex.geometric, arrival.direction),
         };
+        self.stats.shadow += 1;
         !self.accel.any_hit(&ray)
     }
 

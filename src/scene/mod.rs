@@ -26,7 +26,7 @@ pub use light::Light;
 pub use load::{LoadOptions, load};
 pub use material::{Bsdf, Filter, Material, Texture};
 
-use crate::accel::{Accel, Hit};
+use crate::accel::{Accel, Hit, PointShadows};
 use crate::error::Result;
 use crate::geometry::bezier::ControlPoints;
 use crate::geometry::{BezierPatches, Mixed, Sphere, Triangle};
@@ -203,6 +203,19 @@ impl Scene {
             SceneGeometry::Spheres(g) => crate::registry::build(spec, g.clone()),
             SceneGeometry::Mixed(g) => crate::registry::build(spec, g.clone()),
             SceneGeometry::Patches(g) => crate::registry::build(spec, g.clone()),
+        }
+    }
+
+    /// Decides for every voxel of a grid which of the lights at `lights`, world units, surely reach it and which surely do not.
+    ///
+    /// # Errors
+    /// As [`crate::registry::shadow_voxels`].
+    pub fn shadow_voxels(&self, lights: &[DVec3]) -> Result<Box<dyn PointShadows>> {
+        match &self.geometry {
+            SceneGeometry::Triangles(g) => crate::registry::shadow_voxels(g.clone(), lights),
+            SceneGeometry::Spheres(g) => crate::registry::shadow_voxels(g.clone(), lights),
+            SceneGeometry::Mixed(g) => crate::registry::shadow_voxels(g.clone(), lights),
+            SceneGeometry::Patches(g) => crate::registry::shadow_voxels(g.clone(), lights),
         }
     }
 

@@ -154,6 +154,23 @@ fn any_scene_goes_through_all_accelerators() {
 }
 
 #[test]
+fn shadow_voxels_spare_rays_and_change_no_pixel() {
+    let folder = folder("shadow-voxels");
+    let args = ["shadow-voxels", "--quick", "--size", "16", "--scene", "cars", "--scene", "flakes:depth=2"];
+    let report = report(&folder, &[&args[..], &["--svg", "s.svg"]].concat());
+    let rows = rows(&report, "shadow");
+    let lights: Vec<f64> = rows.iter().map(|row| number(row, "lights")).collect();
+    assert_eq!(lights, [1.0, 4.0, 16.0, 1.0, 4.0, 16.0]);
+    for row in rows {
+        assert_eq!(row["wrong pixels"], 0, "{row}");
+        assert!(number(row, "spared %") + number(row, "shortened %") <= 100.0, "{row}");
+        assert!(number(row, "spared %") > 0.0, "{row}");
+    }
+    assert_eq!(verdicts(&report).iter().map(|v| v.0).collect::<Vec<_>>(), ["A11", "A11t"]);
+    elements(&fs::read_to_string(folder.join("s.svg")).expect("was written"));
+}
+
+#[test]
 fn all_forms_say_the_same() {
     let folder = folder("forms");
     let args = ["semwal-kvarnstrom", "--size", "8", "--rounds", "1", "--grids", "8", "--scene", "lanes"];

@@ -1,6 +1,6 @@
 //! Which part of a patch lies in a box: by halving the patch until its parts are small against the box.
 
-use super::net::{Net, Rect};
+use super::net::{Net, Rect, Split};
 use super::{BezierPatch, SIDE};
 use crate::ray::{Aabb, Cell};
 use glam::{DVec3, Vec3};
@@ -32,7 +32,7 @@ impl Part {
     fn halves(self) -> [Self; 2] {
         let strides = self.nets.each_ref().map(Net::strides);
         let (u, v) = strides.iter().fold((0.0_f64, 0.0_f64), |most, s| (most.0.max(s.0), most.1.max(s.1)));
-        let (split, [low, high]): (fn(&Net) -> (Net, Net), _) =
+        let (split, [low, high]): (Split, _) =
             if u >= v { (Net::split_u, self.rect.halves_u()) } else { (Net::split_v, self.rect.halves_v()) };
         let [(x0, x1), (y0, y1), (z0, z1)] = self.nets.each_ref().map(split);
         [Self { nets: [x0, y0, z0], rect: low }, Self { nets: [x1, y1, z1], rect: high }]

@@ -16,6 +16,9 @@ fn bernstein_slope(t: f64) -> [f64; 4] {
     [-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t]
 }
 
+/// Cuts a net in half.
+pub(super) type Split = fn(&Net) -> (Net, Net);
+
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }

@@ -16,7 +16,7 @@
 //! the seed nor on which parts were left out because they lie in other voxels.
 
 use super::double::{Polished, Root, Sharp, polish};
-use super::net::{Net, Rect};
+use super::net::{Net, Rect, Split};
 use super::pencil::Pencil;
 use super::{BezierPatch, Method, Tally};
 use crate::geometry::Best;
@@ -170,7 +170,7 @@ impl Search<'_> {
             return;
         }
         self.tally.subdivisions += 1;
-        let (split, [low, high]): (fn(&Net) -> (Net, Net), _) = if along_u >= along_v {
+        let (split, [low, high]): (Split, _) = if along_u >= along_v {
             (Net::split_u, part.rect.halves_u())
         } else {
             (Net::split_v, part.rect.halves_v())

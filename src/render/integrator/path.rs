@@ -177,6 +177,7 @@ mod tests {
         let stage = tracer::Stage {
             scene,
             lights: light::Lights::new(scene, &bounds),
+            shadows: None,
             spawner: spawn::Spawner::new(&bounds),
             max_depth: 3,
             rr_depth: 2,

@@ -10,8 +10,8 @@ use std::f64::consts::{PI, TAU};
 /// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) enum Target {
-    /// At a point, world units.
-    Point(DVec3),
+    /// At the place, in world units, of this one of [`super::Lights::points`].
+    Point(DVec3, usize),
     /// At a point of a surface with this unit normal on its shining side.
     Surface(DVec3, DVec3),
     /// Nowhere.
@@ -39,27 +39,27 @@ impl Arrival {
 /// A light without extent.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) enum Emitter {
-    /// See [`Light::Point`].
-    Point { position: DVec3, intensity: DVec3 },
+    /// See [`Light::Point`]; `number` is its index in [`super::Lights::points`].
+    Point { number: usize, position: DVec3, intensity: DVec3 },
     /// See [`Light::Spot`]; angles in radians.
-    Spot { position: DVec3, axis: DVec3, intensity: DVec3, cutoff: f64, beam: f64 },
+    Spot { number: usize, position: DVec3, axis: DVec3, intensity: DVec3, cutoff: f64, beam: f64 },
     /// See [`Light::Directional`].
     Directional { towards: DVec3, irradiance: DVec3 },
 }
 
 impl Emitter {
-    /// The light, unless it is dark.
-    pub fn new(light: &Light) -> Option<Self> {
+    /// The light, unless it is dark; `number` is its own if it has a position.
+    pub fn new(light: &Light, number: usize) -> Option<Self> {
         match *light {
             Light::Point { position, intensity } => {
                 let intensity = intensity.as_dvec3();
-                (intensity.max_element() > 0.0).then_some(Emitter::Point { position, intensity })
+                (intensity.max_element() > 0.0).then_some(Emitter::Point { number, position, intensity })
             }
             Light::Spot { position, direction, intensity, cutoff, beam_width } => {
                 let intensity = intensity.as_dvec3();
                 let (cutoff, beam) = (cutoff.to_radians(), beam_width.to_radians());
                 let axis = direction.normalize();
-                let spot = Emitter::Spot { position, axis, intensity, cutoff, beam };
+                let spot = Emitter::Spot { number, position, axis, intensity, cutoff, beam };
                 (intensity.max_element() > 0.0).then_some(spot)
             }
             Light::Directional { direction, irradiance } => {
@@ -67,6 +67,14 @@ impl Emitter {
                 let towards = -direction.normalize();
                 (irradiance.max_element() > 0.0).then_some(Emitter::Directional { towards, irradiance })
             }
+        }
+    }
+
+    /// Where it is, world units; `None` for a directional light.
+    pub fn position(&self) -> Option<DVec3> {
+        match *self {
+            Emitter::Point { position, .. } | Emitter::Spot { position, .. } => Some(position),
+            Emitter::Directional { .. } => None,
         }
     }
 
@@ -84,9 +92,9 @@ impl Emitter {
     /// What arrives at `position`; `None` outside the cone of a spot light.
     pub fn arrival(&self, position: DVec3) -> Option<Arrival> {
         match *self {
-            Emitter::Point { position: at, intensity } => Some(arrival_from(at, position, intensity)),
-            Emitter::Spot { position: at, axis, intensity, cutoff, beam } => {
-                let arrival = arrival_from(at, position, intensity);
+            Emitter::Point { number, position: at, intensity } => Some(arrival_from(at, number, position, intensity)),
+            Emitter::Spot { number, position: at, axis, intensity, cutoff, beam } => {
+                let arrival = arrival_from(at, number, position, intensity);
                 let angle = (-arrival.direction).dot(axis).clamp(-1.0, 1.0).acos();
                 if angle <= beam {
                     Some(arrival)
@@ -101,10 +109,10 @@ impl Emitter {
     }
 }
 
-fn arrival_from(at: DVec3, position: DVec3, intensity: DVec3) -> Arrival {
+fn arrival_from(at: DVec3, number: usize, position: DVec3, intensity: DVec3) -> Arrival {
     let way = at - position;
     let distance2 = way.length_squared();
-    Arrival { target: Target::Point(at), direction: way / distance2.sqrt(), radiance: intensity / distance2 }
+    Arrival { target: Target::Point(at, number), direction: way / distance2.sqrt(), radiance: intensity / distance2 }
 }
 
 /// A primitive that shines from its front side.

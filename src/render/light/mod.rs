@@ -19,6 +19,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 #[derive(Clone, Debug)]
 pub(super) struct Lights {
     delta: Vec<Emitter>,
+    points: Vec<DVec3>,
     areas: Vec<Extended>,
     environment: DVec3,
     /// Sum of the chances up to and with each light.
@@ -39,7 +40,13 @@ impl Lights {
     /// Gathers the lights of `scene`, whose primitives lie within `bounds`.
     pub fn new(scene: &Scene, bounds: &Aabb) -> Self {
         let radius = f64::from(bounds.extent().length()) / 2.0;
-        let delta: Vec<_> = scene.lights.iter().filter_map(Emitter::new).collect();
+        let (mut delta, mut points) = (Vec::new(), Vec::new());
+        for light in &scene.lights {
+            if let Some(emitter) = Emitter::new(light, points.len()) {
+                points.extend(emitter.position());
+                delta.push(emitter);
+            }
+        }
         let areas = emissive(scene);
         let environment = scene.environment.as_dvec3();
         let lit = usize::from(environment.max_element() > 0.0);
@@ -56,12 +63,17 @@ impl Lights {
         });
         let cumulative = cumulative.collect();
         let environment_chance = if lit == 1 { chances.last().copied().unwrap_or(0.0) } else { 0.0 };
-        Self { delta, areas, environment, cumulative, environment_chance }
+        Self { delta, points, areas, environment, cumulative, environment_chance }
     }
 
     /// Lights without extent.
     pub fn delta(&self) -> &[Emitter] {
         &self.delta
+    }
+
+    /// Where the lights without extent are that have a place, world units.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
     }
 
     /// Chooses a light by `u[2]` and a point or direction of it by `u[0]` and `u[1]`; `None` if no light arrives.

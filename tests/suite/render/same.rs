@@ -64,6 +64,53 @@ fn threads_change_no_bit() {
     }
 }
 
+/// A table of one square over a floor of many, under a lamp and a spot light: whole voxels are lit and whole voxels are dark.
+fn table() -> Scene {
+    let lamp = |x: f64, z: f64| Light::Point { position: DVec3::new(x, 0.3, z), intensity: Vec3::splat(4.0) };
+    let floor = |i: i32| {
+        let corner = [(i % 9 - 4) as f32 * 0.5, (i / 9 - 4) as f32 * 0.5];
+        cuboid([corner[0], corner[1], -0.1], [corner[0] + 0.5, corner[1] + 0.5, 0.0], true, 0)
+    };
+    let mut meshes: Vec<_> = (0..81).map(floor).collect();
+    meshes.push(square(0.9, 0.8, true, 0));
+    scene(SceneParts {
+        meshes,
+        materials: vec![lambert(0.7)],
+        lights: vec![lamp(0.2, 3.0), lamp(-1.5, 2.0), lamp(0.0, 0.4)],
+        camera: camera([0.2, -5.0, 1.8], [0.0, 0.5, 0.4], 45.0),
+        ..SceneParts::default()
+    })
+}
+
+#[test]
+fn shadow_voxels_change_no_bit() {
+    let mut total = [0; 2];
+    for scene in [room(), table()] {
+        for integrator in [Integrator::Path, Integrator::Whitted] {
+            let with = |on| film(&scene, &Settings { shadow_voxels: Some(on), ..room_settings(integrator) });
+            let (plain, asked) = (with(false), with(true));
+            assert_eq!((&plain.sum, &plain.sum_squares), (&asked.sum, &asked.sum_squares), "{integrator:?}");
+            assert_eq!(plain.stats.shadow, asked.stats.shadow + asked.stats.spared);
+            assert_eq!((plain.stats.spared, plain.stats.shortened), (0, 0));
+            total[0] += asked.stats.spared;
+            total[1] += asked.stats.shortened;
+        }
+    }
+    assert!(total[0] > 1000 && total[1] > 1000, "next to nothing is known: {total:?}");
+}
+
+#[test]
+fn shadow_voxels_are_left_out_where_they_cannot_pay() {
+    let table = table();
+    let of = |settings: &Settings| film(&table, settings).stats;
+    let many = of(&Settings { sampler: Sampler::Sobol(32), ..room_settings(Integrator::Whitted) });
+    assert!(many.spared > 0, "{many:?}");
+    let few = of(&Settings { width: 5, height: 4, sampler: Sampler::Sobol(1), ..room_settings(Integrator::Whitted) });
+    assert_eq!((few.spared, few.shortened), (0, 0), "{few:?}");
+    let seen_only = of(&Settings { shadow_voxels: Some(true), max_depth: 1, ..room_settings(Integrator::Whitted) });
+    assert_eq!(seen_only.spared + seen_only.shadow, 0, "{seen_only:?}");
+}
+
 #[test]
 fn accelerators_change_no_bit() {
     let room = room();

@@ -1,0 +1,33 @@
+//! What is known of a shadow ray before it is traced.
+
+use super::Memory;
+use crate::ray::Ray;
+
+/// What is known of a ray towards a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shadow {
+    /// Nothing lies along it.
+    Lit,
+    /// Something does.
+    Dark,
+    /// Nothing lies along it beyond this parameter, its end at most: it is enough to trace the ray so far.
+    Until(f32),
+    /// Nothing.
+    Unknown,
+}
+
+/// Points from which certain lights are surely seen, and points from which they are surely not.
+///
+/// A tracer asks before it traces a ray towards a light. What is known of a ray is so to the bit: a picture is the same with
+/// and without.
+pub trait PointShadows: Send + Sync {
+    /// What is known of `ray`, which starts on primitive `prim` and ends just before light number `light`. Any other ray is
+    /// fine too, but nothing is known of it.
+    fn ask(&self, light: usize, prim: u32, ray: &Ray) -> Shadow;
+
+    /// Bytes held beside the geometry itself.
+    fn memory(&self) -> Memory;
+
+    /// What was built, in a line for people.
+    fn describe(&self) -> String;
+}
