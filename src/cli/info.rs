@@ -67,6 +67,9 @@ fn facts(scene: &Scene, spec: &str, accel: &dyn Accel, load_ms: f64, build_ms: f
     let mut count = |name, n: usize| facts.push((name, n.to_string(), json!(n)));
     count("triangles", triangles as usize);
     count("spheres", spheres);
+    if !scene.patch_materials.is_empty() {
+        count("patches", scene.patch_materials.len());
+    }
     count("meshes", scene.meshes.len());
     if let Some(voxels) = scene.voxels() {
         // Below 2^32.
@@ -142,6 +145,9 @@ fn left_out(scene: &Scene, table_bytes: u64) -> Vec<String> {
         SceneGeometry::Spheres(_) => left_out.push("triangle test: the scene has spheres only".to_string()),
         SceneGeometry::Mixed(_) => {}
         SceneGeometry::Voxels(_) => left_out.push("sphere test: the scene has voxels only".to_string()),
+        SceneGeometry::Patches(_) => {
+            left_out.push("triangle and sphere tests: the scene has patches only".to_string());
+        }
     }
     if table_bytes == 0 {
         left_out.push("skip table: this accelerator has none".to_string());

@@ -6,7 +6,7 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, arvo, dda, semwal_kvarnstrom, shadow_voxels, spd};
+use crate::papers::{Report, amanatides_woo, arvo, dda, newton_seeds, semwal_kvarnstrom, shadow_voxels, spd};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,7 @@ pub struct Args {
 enum Paper {
     AmanatidesWoo(AmanatidesWoo),
     Arvo(Arvo),
+    NewtonSeeds(NewtonSeeds),
     SemwalKvarnstrom(SemwalKvarnstrom),
     ShadowVoxels(ShadowVoxels),
     Spd(Spd),
@@ -69,6 +70,21 @@ struct Arvo {
     /// Scene, a file or one made by formula; give it once for each (random, flakes, bumpy, two of SPD)
     #[arg(long = "scene", value_name = "S")]
     scenes: Vec<String>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Amanatides & Woo 1987, last section: bicubic patches by Newton's method with starting points in the voxels
+#[derive(Debug, clap::Args)]
+struct NewtonSeeds {
+    /// Voxels on each axis (4,8,16,32,64)
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
+    grids: Vec<u32>,
+
+    /// Steps along each patch edge of the tessellated teapots (4,8,16,32,64)
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
+    meshes: Vec<u32>,
 
     #[command(flatten)]
     common: Common,
@@ -183,6 +199,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let common = match &args.paper {
         Paper::AmanatidesWoo(AmanatidesWoo { common, .. })
         | Paper::Arvo(Arvo { common, .. })
+        | Paper::NewtonSeeds(NewtonSeeds { common, .. })
         | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
         | Paper::ShadowVoxels(ShadowVoxels { common, .. })
         | Paper::Spd(Spd { common, .. })
@@ -265,6 +282,11 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
             let rays = args.rays.unwrap_or(if quick { 100 } else { 1000 });
             let most = if quick { 2_000 } else { 100_000 };
             arvo::run(&arvo::Options { grids, rays, size, rounds, scenes, accels, most }, &watch)
+        }
+        Paper::NewtonSeeds(args) => {
+            let grids = or(&args.grids, &[4, 8, 16, 32, 64], &[4, 16]);
+            let meshes = or(&args.meshes, &[4, 8, 16, 32, 64], &[4, 8]);
+            newton_seeds::run(&newton_seeds::Options { size, rounds, grids, meshes }, &watch)
         }
         Paper::SemwalKvarnstrom(args) => {
             let grids = or(&args.grids, &[32, 64, 128], &[16, 32]);

@@ -3,6 +3,7 @@
 //! Every accelerator runs the same tests in its leaves, so their answers are equal to the bit. A test decides as if in
 //! exact arithmetic: the least `t` wins, and at equal `t` the least index.
 
+pub mod bezier;
 mod exact;
 pub(crate) mod expansion;
 mod face;
@@ -14,6 +15,7 @@ mod sphere;
 pub(crate) mod tests;
 mod triangle;
 
+pub use bezier::{BezierPatches, Seed};
 pub use face::Face;
 pub use indexed::IndexedTriangles;
 pub use mixed::Mixed;
@@ -70,6 +72,20 @@ pub trait Geometry: Send + Sync {
     /// The voxels if the primitives are the faces of solid voxels, by the same indices; there is a walk that needs no more.
     fn solid(&self) -> Option<&SolidVoxels> {
         None
+    }
+
+    /// True if tests iterate, so that grids keep a [`Seed`] for each reference.
+    const ITERATES: bool = false;
+
+    /// Where tests in the closed box `cell` begin, and the part of `prim` that lies in it; `None` if nothing does.
+    fn seed(&self, _prim: u32, _cell: &Cell) -> Option<Seed> {
+        None
+    }
+
+    /// As [`Geometry::test`], but finds for certain only hits in the box that `seed` comes from. Others may become the
+    /// winner too: they are as good as any.
+    fn test_from(&self, _seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        self.test(prim, ray, prep, best);
     }
 
     /// The sphere if `prim` is one.
@@ -163,6 +179,12 @@ macro_rules! forward_geometry {
             fn overlaps(&self, prim: u32, cell: &Cell) -> bool { (**self).overlaps(prim, cell) }
             #[inline]
             fn triangle(&self, prim: u32) -> Option<Triangle> { (**self).triangle(prim) }
+            const ITERATES: bool = G::ITERATES;
+            fn seed(&self, prim: u32, cell: &Cell) -> Option<Seed> { (**self).seed(prim, cell) }
+            #[inline]
+            fn test_from(&self, seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+                (**self).test_from(seed, prim, ray, prep, best);
+            }
             #[inline]
             fn solid(&self) -> Option<&SolidVoxels> { (**self).solid() }
             #[inline]
@@ -205,6 +227,14 @@ where
     #[inline]
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         self.as_slice().triangle(prim)
+    }
+    const ITERATES: bool = <[P] as Geometry>::ITERATES;
+    fn seed(&self, prim: u32, cell: &Cell) -> Option<Seed> {
+        self.as_slice().seed(prim, cell)
+    }
+    #[inline]
+    fn test_from(&self, seed: &Seed, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        self.as_slice().test_from(seed, prim, ray, prep, best);
     }
     #[inline]
     fn sphere(&self, prim: u32) -> Option<Sphere> {

@@ -4,6 +4,7 @@ use super::Grid;
 use super::cells::Cells;
 use super::frame::Frame;
 use super::options::GridOptions;
+use super::seeds::Seeds;
 use super::skip::{Method, NoSkip, SkipOptions, Slot, Table};
 use super::voxelise::voxels_of;
 use super::walk::{VoxelWalk, Walk};
@@ -29,13 +30,17 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
         }
         let frame = Frame::new(&bounds, count, options);
         let cells = fill(&geometry, &frame, options)?;
+        let left = options.memory.saturating_sub(cells.memory().total());
+        let seeds = Seeds::new(&geometry, &frame, cells.references(), options, left)?;
         let ignored = geometry.len() - count;
         Ok(Self {
             geometry,
             frame,
             voxels: NoSkip(cells),
             bounds,
-            mailbox: options.mailbox,
+            // A test that begins in a voxel finds what is in that voxel only: it does not stand for the others.
+            mailbox: options.mailbox && seeds.is_empty(),
+            seeds,
             memory: options.memory,
             ignored,
             walk: PhantomData,
@@ -58,15 +63,15 @@ impl<G: Geometry, W: VoxelWalk> Grid<G, NoSkip, W> {
     /// An option is out of range, lists or distances would take more than the grid's budget of memory, or the lists are too
     /// long for the slots: 2^31 entries for [`super::skip::One`], 2^28 for [`super::skip::Packed`].
     pub fn with_table<M: Method, T: Slot>(self, options: &SkipOptions) -> Result<Grid<G, Table<M, T>>> {
-        let Self { geometry, frame, voxels: NoSkip(cells), bounds, mailbox, memory, ignored, .. } = self;
+        let Self { geometry, frame, voxels: NoSkip(cells), seeds, bounds, mailbox, memory, ignored, .. } = self;
         let voxels = Table::new(cells, frame.resolution, options, memory)?;
-        Ok(Grid { geometry, frame, voxels, bounds, mailbox, memory, ignored, walk: PhantomData })
+        Ok(Grid { geometry, frame, voxels, seeds, bounds, mailbox, memory, ignored, walk: PhantomData })
     }
 
     /// The same grid walked by `V`.
     pub fn with_walk<V: VoxelWalk>(self) -> Grid<G, NoSkip, V> {
-        let Self { geometry, frame, voxels, bounds, mailbox, memory, ignored, .. } = self;
-        Grid { geometry, frame, voxels, bounds, mailbox, memory, ignored, walk: PhantomData }
+        let Self { geometry, frame, voxels, seeds, bounds, mailbox, memory, ignored, .. } = self;
+        Grid { geometry, frame, voxels, seeds, bounds, mailbox, memory, ignored, walk: PhantomData }
     }
 }
 

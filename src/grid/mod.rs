@@ -19,6 +19,7 @@ mod mailbox;
 mod occupancy;
 mod options;
 mod parallel;
+mod seeds;
 mod shadow;
 pub mod skip;
 mod solid;
@@ -30,6 +31,7 @@ mod walk_integer;
 
 pub use crate::geometry::Face;
 pub use options::GridOptions;
+pub use seeds::SeedRule;
 pub use shadow::ShadowVoxels;
 pub use solid::{SolidGrid, SolidOptions, SolidSequence, Unskipped};
 pub use voxels::{VoxelGrid, VoxelVisit, VoxelVisits};
@@ -38,10 +40,11 @@ pub use walk_branchless::Branchless;
 pub use walk_integer::IntegerWalk;
 
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
-use crate::geometry::{Best, Geometry};
+use crate::geometry::{Best, Geometry, Seed};
 use crate::ray::{Aabb, Ray, greater};
 use frame::Frame;
 use mailbox::Mailbox;
+use seeds::Seeds;
 use skip::{Look, NoSkip, Skip, Voxels};
 use std::marker::PhantomData;
 use walk::{Start, VoxelWalk};
@@ -51,12 +54,14 @@ use walk::{Start, VoxelWalk};
 /// `S` is what it keeps of each voxel: [`NoSkip`] for lists alone, [`skip::Table`] for lists and distances. `W` is how rays
 /// step from voxel to voxel.
 ///
-/// Memory: four bytes for each voxel and four for each reference from a voxel to a primitive; tables say their own.
+/// Memory: four bytes for each voxel and four for each reference from a voxel to a primitive; tables say their own. Sixteen
+/// more for each reference to a primitive whose test iterates.
 #[derive(Clone, Debug)]
 pub struct Grid<G, S = NoSkip, W = Walk> {
     geometry: G,
     frame: Frame,
     voxels: S,
+    seeds: Seeds,
     bounds: Aabb,
     mailbox: bool,
     memory: u64,
@@ -135,6 +140,12 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
         self.trace(any, voxels, ray, walk, probe)
     }
 
+    /// Where the test of `prim` begins in the walk's voxel; always `None`, at no cost, if tests do not iterate.
+    #[inline(always)]
+    fn seed(&self, prim: u32, walk: &W) -> Option<&Seed> {
+        if G::ITERATES { self.seeds.find(prim, walk.voxel()) } else { None }
+    }
+
     /// From list to list until the winner, or the first hit if `any` will do, is certain.
     #[inline(always)]
     fn trace<T: Skip<W>, P: Probe>(&self, any: bool, voxels: &T, ray: &Ray, mut walk: W, probe: &mut P) -> Best {
@@ -151,7 +162,10 @@ impl<G: Geometry, S, W: VoxelWalk> Grid<G, S, W> {
                     for &prim in list {
                         if mailbox.as_mut().is_none_or(|mailbox| mailbox.first_time(prim)) {
                             probe.test();
-                            self.geometry.test(prim, ray, &prep, &mut best);
+                            match self.seed(prim, &walk) {
+                                Some(seed) => self.geometry.test_from(seed, prim, ray, &prep, &mut best),
+                                None => self.geometry.test(prim, ray, &prep, &mut best),
+                            }
                             if any && best.is_hit() {
                                 return best;
                             }
@@ -191,7 +205,8 @@ impl<G: Geometry, S: Skip<W> + Voxels, W: VoxelWalk> Accel for Grid<G, S, W> {
     }
 
     fn memory(&self) -> Memory {
-        self.voxels.memory()
+        let memory = self.voxels.memory();
+        Memory { references: memory.references + self.seeds.bytes(), ..memory }
     }
 
     fn describe(&self) -> String {
@@ -208,6 +223,12 @@ impl<G: Geometry, S: Skip<W> + Voxels, W: VoxelWalk> Accel for Grid<G, S, W> {
         let table = self.voxels.describe();
         if !table.is_empty() {
             line += &format!(", {table}");
+        }
+        if G::ITERATES {
+            line += &match self.seeds.bytes() {
+                0 => ", tests begin in the middle".to_string(),
+                bytes => format!(", seeds of {bytes} bytes"),
+            };
         }
         if self.ignored > 0 {
             line += &format!(", {} primitives that no ray can hit left out", self.ignored);

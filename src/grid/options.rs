@@ -1,5 +1,6 @@
 //! How fine a grid is and what it may take.
 
+use super::seeds::SeedRule;
 use crate::accel::default_budget;
 use crate::error::{Error, Result};
 
@@ -13,6 +14,8 @@ pub struct GridOptions {
     /// Remember for each ray which primitives it has met (the paper's rayID), so that none is tested twice. Pays for
     /// primitives that are large or costly to test; takes four bytes for each primitive and thread.
     pub mailbox: bool,
+    /// Where tests begin that iterate; means nothing to primitives whose tests do not.
+    pub seeds: SeedRule,
     /// Bytes that voxels and references may take together; a grid that needs more is refused.
     pub memory: u64,
 }
@@ -20,7 +23,7 @@ pub struct GridOptions {
 impl Default for GridOptions {
     /// Two voxels a primitive, no mailbox, a quarter of the machine's memory but at most 8 GiB.
     fn default() -> Self {
-        Self { density: 2.0, resolution: None, mailbox: false, memory: default_budget() }
+        Self { density: 2.0, resolution: None, mailbox: false, seeds: SeedRule::Voxel, memory: default_budget() }
     }
 }
 

@@ -6,6 +6,7 @@
 pub mod amanatides_woo;
 pub mod arvo;
 pub mod dda;
+pub mod newton_seeds;
 pub mod plot;
 pub mod printed_dda;
 pub mod printed_walk;

@@ -19,7 +19,7 @@ use crate::grid::skip::{
     Chessboard, DirectedSafeZones, DirectedSafeZones24, Distances, DualExtents, Method, Octants, Packed,
     PrintedLanding, PrintedRule, ProximityClouds, SkipOptions,
 };
-use crate::grid::{Branchless, Grid, GridOptions, IntegerWalk, ShadowVoxels};
+use crate::grid::{Branchless, Grid, GridOptions, IntegerWalk, SeedRule, ShadowVoxels};
 use glam::DVec3;
 
 /// What a user may know about an accelerator before building it.
@@ -73,8 +73,8 @@ pub const ENTRIES: &[Entry] = &[
         name: "grid",
         summary: "uniform grid, voxel walk with recomputed crossings",
         options: "step=branching|branchless|integer (branching), density=F (voxels a primitive, above 0; 2), \
-                  resolution=N or NxNxN (1..4096), mailbox=on|off (off), memory=BYTES (a quarter of the machine's, at \
-                  most 8G)",
+                  resolution=N or NxNxN (1..4096), mailbox=on|off (off), seeds=voxel|fixed (voxel; where tests of \
+                  patches begin), memory=BYTES (a quarter of the machine's, at most 8G)",
         source: "Amanatides & Woo 1987; lists after Lagae & Dutré 2008",
         needs: Needs::Any,
     },
@@ -295,6 +295,9 @@ fn grid_options(spec: &mut Spec) -> Result<GridOptions> {
     if let Some(mailbox) = spec.take_choice("mailbox", &[("on", true), ("off", false)])? {
         options.mailbox = mailbox;
     }
+    if let Some(seeds) = spec.take_choice("seeds", &[("voxel", SeedRule::Voxel), ("fixed", SeedRule::Fixed)])? {
+        options.seeds = seeds;
+    }
     if let Some(memory) = spec.take("memory", spec::parse_bytes)? {
         options.memory = memory;
     }
@@ -347,6 +350,7 @@ mod tests {
             ("grid:density=1,density=2", "twice"),
             ("brute:density=1", "unknown option"),
             ("obvhs-cwbvh:preset=best", "very_slow"),
+            ("grid:seeds=none", "voxel|fixed"),
             ("grid:step=fast", "branching|branchless|integer"),
             ("grid-dsz:step=branchless", "unknown option `step`"),
             ("grid-dsz:threshold=0", "threshold"),

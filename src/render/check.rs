@@ -91,6 +91,7 @@ pub(super) fn scene(scene: &Scene) -> Result<()> {
     let used = scene.meshes.iter().map(|m| m.material).chain(scene.sphere_materials.iter().copied());
     let voxels = scene.voxels().and_then(|v| v.materials().iter().max()).and_then(|byte| byte.checked_sub(1));
     let used = used.chain(voxels.map(u32::from));
+    let used = used.chain(scene.patch_materials.iter().copied());
     match used.max() {
         Some(m) if m as usize >= materials => Err(Error::invalid(format!("material {m} of {materials} is in use"))),
         _ => Ok(()),

@@ -1,8 +1,9 @@
 //! Checks the parts of a scene, lays its primitives out in one index space, and adds what it lacks.
 
-use super::{Bsdf, Camera, Light, Material, Scene, SceneGeometry, SceneParts, voxels};
+use super::{Bsdf, Camera, Light, Material, Scene, SceneGeometry, SceneParts, patches, voxels};
 use crate::error::{Error, Result};
-use crate::geometry::{Mixed, Sphere, Triangle};
+use crate::geometry::bezier::ControlPoints;
+use crate::geometry::{BezierPatches, Geometry, Mixed, Sphere, Triangle};
 use crate::ray::Aabb;
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
@@ -20,7 +21,7 @@ pub(super) fn assemble(mut parts: SceneParts, origin: &str) -> Result<Scene> {
     if let Some(cause) = parts.voxels.as_ref().and_then(|v| voxels::defect(v, parts.materials.len())) {
         return Err(Error::invalid(format!("{origin}: {cause}")));
     }
-    let mixed = !(parts.meshes.is_empty() && parts.spheres.is_empty());
+    let mixed = !(parts.meshes.is_empty() && parts.spheres.is_empty() && parts.patches.is_empty());
     if let Some(voxels) = parts.voxels.take_if(|_| mixed) {
         parts.meshes.extend(voxels::meshes(&voxels));
         parts.notes.push(format!("{origin}: the voxels became meshes, because the scene has other primitives too"));
@@ -30,16 +31,19 @@ pub(super) fn assemble(mut parts: SceneParts, origin: &str) -> Result<Scene> {
     let mesh_offsets = mesh_offsets(&parts, origin)?;
     let triangles = triangles(&parts, mesh_offsets.last().copied().unwrap_or(0))?;
     let (spheres, sphere_materials): (Vec<Sphere>, Vec<u32>) = parts.spheres.iter().copied().unzip();
+    let (patches, patch_materials): (Vec<ControlPoints>, Vec<u32>) = parts.patches.iter().copied().unzip();
+    let patches = BezierPatches::new(patches);
     let bounds = match &parts.voxels {
         Some(voxels) => voxels.solid_bounds(),
-        None => bounds(&triangles, &spheres),
+        None => patches::bounds(&patches).union(&bounds(&triangles, &spheres)),
     };
-    if bounds.is_empty() && triangles.is_empty() && spheres.is_empty() {
+    if bounds.is_empty() && triangles.is_empty() && spheres.is_empty() && patches.is_empty() {
         parts.warnings.push(format!("{origin}: the scene has no primitive"));
     }
     let camera = parts.camera.unwrap_or_else(|| Camera::framed(&bounds));
     light_up(&mut parts, &camera, origin);
     let geometry = match (triangles.is_empty(), spheres.is_empty()) {
+        _ if !patches.is_empty() => SceneGeometry::Patches(Arc::new(patches)),
         (_, true) => SceneGeometry::Triangles(Arc::new(triangles)),
         (true, false) => SceneGeometry::Spheres(Arc::new(spheres.clone())),
         (false, false) => SceneGeometry::Mixed(Arc::new(Mixed { triangles, spheres: spheres.clone() })),
@@ -52,6 +56,7 @@ pub(super) fn assemble(mut parts: SceneParts, origin: &str) -> Result<Scene> {
         mesh_offsets,
         spheres,
         sphere_materials,
+        patch_materials,
         materials: parts.materials,
         textures: parts.textures,
         lights: parts.lights,
@@ -84,6 +89,9 @@ fn check(parts: &SceneParts, origin: &str) -> Result<()> {
     }
     if let Some((i, (_, m))) = parts.spheres.iter().enumerate().find(|(_, (_, m))| *m as usize >= materials) {
         return fail(format!("sphere {i}: material {m} of {materials}"));
+    }
+    if let Some(cause) = patches::defect(parts) {
+        return fail(cause);
     }
     for (i, material) in parts.materials.iter().enumerate() {
         if let Bsdf::Lambert { texture: Some(t), .. } = material.bsdf
@@ -132,7 +140,7 @@ fn mesh_offsets(parts: &SceneParts, origin: &str) -> Result<Vec<u32>> {
         total += mesh.triangles.len() as u64;
         offsets.push(u32::try_from(total).unwrap_or(u32::MAX));
     }
-    total += parts.spheres.len() as u64;
+    total += parts.spheres.len() as u64 + parts.patches.len() as u64;
     // The last index is kept free for "no primitive".
     if total > u64::from(u32::MAX) - 1 {
         let cause = format!("{origin}: {total} primitives, at most {} are possible", u32::MAX - 1);

@@ -1,6 +1,6 @@
 //! What both exporters share: settings, numbers as text, texture files, and files that are never half written.
 
-use super::{Filter, Mesh, Scene, Texture};
+use super::{Filter, Mesh, Scene, SceneGeometry, Texture, patches};
 use crate::error::{Error, Result};
 use crate::picture::io::replace_file;
 use crate::picture::srgb;
@@ -139,7 +139,11 @@ pub(super) fn bounds(scene: &Scene) -> Aabb {
         let s = scene.spheres[i];
         Aabb { min: s.centre - s.radius, max: s.centre + s.radius }
     });
-    points.map(|p| Aabb { min: p, max: p }).chain(boxes).fold(Aabb::EMPTY, |a, b| a.union(&b))
+    let patches = match &scene.geometry {
+        SceneGeometry::Patches(patches) => patches::bounds(patches),
+        _ => Aabb::EMPTY,
+    };
+    points.map(|p| Aabb { min: p, max: p }).chain(boxes).chain([patches]).fold(Aabb::EMPTY, |a, b| a.union(&b))
 }
 
 /// A texture's value where nothing has texture coordinates: at (0, 0).

@@ -5,7 +5,7 @@
 
 use super::export::{Assets, ExportSettings, Number, Triple, at_origin, bounds, check, left_out, plain};
 use super::export::{usable_normals, usable_spheres, usable_triangles, write_whole};
-use super::{Bsdf, Filter, Light, Material, Mesh, Scene};
+use super::{Bsdf, Filter, Light, Material, Mesh, Scene, patches};
 use crate::error::Result;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
@@ -34,6 +34,11 @@ pub fn export(scene: &Scene, settings: &ExportSettings, out: &Path) -> Result<Ve
     for (index, mesh) in scene.meshes.iter().enumerate() {
         writer.mesh(index, mesh)?;
     }
+    // A scene of patches has no mesh.
+    let tessellated = patches::tessellated(scene, patches::STEPS);
+    for (index, mesh) in tessellated.iter().enumerate() {
+        writer.mesh(index, mesh)?;
+    }
     for index in usable_spheres(scene) {
         writer.sphere(index);
     }
@@ -48,6 +53,10 @@ pub fn export(scene: &Scene, settings: &ExportSettings, out: &Path) -> Result<Ve
     let mut warnings = std::mem::take(&mut writer.assets.warnings);
     warnings.extend(writer.clamped);
     warnings.extend(left_out(scene));
+    if !tessellated.is_empty() {
+        let (count, n) = (tessellated.len(), patches::STEPS);
+        warnings.push(format!("Mitsuba has no bicubic patches: each of {count} becomes a mesh of {n} x {n} quads"));
+    }
     let extent = bounds(scene).extent().max_element();
     if extent > 0.0 && extent < SMALLEST {
         warnings.push(format!(

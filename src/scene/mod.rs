@@ -13,6 +13,7 @@ mod material;
 pub mod mitsuba;
 #[cfg(feature = "obj")]
 pub mod obj;
+mod patches;
 pub mod povray;
 pub mod procedural;
 pub mod raw;
@@ -31,7 +32,8 @@ pub use material::{Bsdf, Filter, Material, Texture};
 
 use crate::accel::{Accel, Hit, PointShadows};
 use crate::error::Result;
-use crate::geometry::{Geometry, Mixed, SolidVoxels, Sphere, Triangle};
+use crate::geometry::bezier::ControlPoints;
+use crate::geometry::{BezierPatches, Geometry, Mixed, SolidVoxels, Sphere, Triangle};
 use crate::ray::Ray;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::borrow::Cow;
@@ -49,6 +51,8 @@ pub enum SceneGeometry {
     Mixed(Arc<Mixed>),
     /// Solid voxels only; the byte of a voxel is its index in [`Scene::materials`] plus one.
     Voxels(SolidVoxels),
+    /// Bicubic patches only.
+    Patches(Arc<BezierPatches>),
 }
 
 /// `$body` with `$g` bound to the primitives of `$scene`, whatever they are: compiled once for each kind.
@@ -59,6 +63,7 @@ macro_rules! with_geometry {
             $crate::scene::SceneGeometry::Spheres($g) => $body,
             $crate::scene::SceneGeometry::Mixed($g) => $body,
             $crate::scene::SceneGeometry::Voxels($g) => $body,
+            $crate::scene::SceneGeometry::Patches($g) => $body,
         }
     };
 }
@@ -120,6 +125,8 @@ pub struct Scene {
     pub spheres: Vec<Sphere>,
     /// Material of each sphere.
     pub sphere_materials: Vec<u32>,
+    /// Material of each patch; a scene of patches has no triangle and no sphere.
+    pub patch_materials: Vec<u32>,
     /// Materials; at least one.
     pub materials: Vec<Material>,
     /// Textures that materials refer to.
@@ -162,6 +169,8 @@ pub struct SceneParts {
     pub voxels: Option<SolidVoxels>,
     /// Spheres with their materials.
     pub spheres: Vec<(Sphere, u32)>,
+    /// Bicubic patches with their materials; not beside meshes or spheres.
+    pub patches: Vec<(ControlPoints, u32)>,
     /// See [`Scene::materials`]; a grey Lambert material is added if there is none.
     pub materials: Vec<Material>,
     /// See [`Scene::textures`].
@@ -190,7 +199,8 @@ impl Scene {
     /// # Errors
     /// A triangle refers to a vertex, or anything to a material or texture, that does not exist; normals or texture
     /// coordinates differ in number from the positions; a texture's size differs from its texels; a light or the camera
-    /// is not finite; more than 2^32 - 2 primitives, or more than memory holds.
+    /// is not finite; more than 2^32 - 2 primitives, or more than memory holds; there are patches beside meshes or
+    /// spheres, or patches that shine.
     pub fn new(parts: SceneParts) -> Result<Scene> {
         let origin = parts.name.clone();
         assemble::assemble(parts, &origin)
@@ -217,9 +227,9 @@ impl Scene {
         voxels::with_meshes(self)
     }
 
-    /// Number of primitives: triangles and spheres.
+    /// Number of primitives: triangles and spheres, or patches.
     pub fn primitive_count(&self) -> u32 {
-        self.triangle_count() + self.spheres.len() as u32
+        self.triangle_count() + self.spheres.len() as u32 + self.patch_materials.len() as u32
     }
 
     /// Builds the accelerator that `spec` names over the scene's primitives.

@@ -9,8 +9,9 @@
 
 use super::export::{Assets, ExportSettings, Number, Triple, at_origin, bounds, check, left_out, plain};
 use super::export::{usable_normals, usable_spheres, usable_triangles, write_whole};
-use super::{Bsdf, Filter, Light, Material, Mesh, Scene};
+use super::{Bsdf, Filter, Light, Material, Mesh, Scene, SceneGeometry};
 use crate::error::Result;
+use crate::geometry::Geometry;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use std::io::{self, Write};
@@ -231,7 +232,7 @@ impl<'a> Writer<'a> {
             );
             self.write_object(&shape, scene.sphere_materials[index], false, w)?;
         }
-        Ok(())
+        self.write_patches(w)
     }
 
     fn write_camera(&self, settings: &ExportSettings, w: &mut dyn Write) -> io::Result<()> {
@@ -305,6 +306,22 @@ impl<'a> Writer<'a> {
         }
         writeln!(w, " }} }}")?;
         self.write_object(&format!("object {{ {name}"), mesh.material, !mesh.uvs.is_empty(), w)
+    }
+
+    /// Patches as POV-Ray's own, cut into 32 x 32 quads with smooth normals each, the most that is of use there.
+    fn write_patches(&self, w: &mut dyn Write) -> io::Result<()> {
+        let SceneGeometry::Patches(patches) = &self.scene.geometry else { return Ok(()) };
+        for (prim, &material) in (0_u32..).zip(&self.scene.patch_materials) {
+            if patches.bounds(prim).is_empty() {
+                continue;
+            }
+            // POV-Ray's patches look the other way: with rows run backwards, front stays front.
+            let points = patches.points(prim).iter().flat_map(|row| row.iter().rev());
+            let points: Vec<String> = points.map(|p| format!("<{}>", self.point(p.as_dvec3()))).collect();
+            let shape = format!("bicubic_patch {{ type 1 flatness 0 u_steps 5 v_steps 5\n{}", points.join(",\n"));
+            self.write_object(&shape, material, false, w)?;
+        }
+        Ok(())
     }
 
     fn write_vectors(&self, keyword: &str, vectors: &[Vec3], scale: f64, w: &mut dyn Write) -> io::Result<()> {

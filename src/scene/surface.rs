@@ -1,6 +1,6 @@
 //! Answers what shading asks of a hit: point, normals, texture coordinates, material; in f64.
 
-use super::{Mesh, Scene, Surface};
+use super::{Mesh, Scene, SceneGeometry, Surface, patches};
 use crate::accel::Hit;
 use crate::geometry::{SolidVoxels, Sphere};
 use crate::ray::Ray;
@@ -14,6 +14,9 @@ const STRAY: f64 = 2.4e-7;
 pub(super) fn surface(scene: &Scene, ray: &Ray, hit: Hit) -> Surface {
     if let Some(voxels) = scene.voxels() {
         return on_voxel(voxels, ray, hit);
+    }
+    if let SceneGeometry::Patches(set) = &scene.geometry {
+        return patches::surface(set, scene.patch_materials[hit.prim as usize], ray, hit);
     }
     let triangles = scene.triangle_count();
     if hit.prim >= triangles {

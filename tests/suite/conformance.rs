@@ -6,7 +6,7 @@ use skipgrid::geometry::{Geometry, Mixed};
 use skipgrid::{Accel, Hit, Ray, Sphere, Triangle, registry};
 
 /// Every entry of the registry that can be built over `geometry`, and the options that change what is built.
-fn specs<G: Geometry + ?Sized>(geometry: &G) -> Vec<String> {
+pub fn specs<G: Geometry + ?Sized>(geometry: &G) -> Vec<String> {
     let suited = registry::ENTRIES.iter().filter(|e| e.suits(geometry));
     let mut specs: Vec<String> = suited.map(|e| e.name.to_string()).collect();
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
@@ -45,11 +45,17 @@ pub fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
     hit.map(|h| (h.prim, h.t.to_bits()))
 }
 
+/// Every accelerator that can be built over `geometry`, as [`check_with`] does.
 pub fn check<G: Geometry>(name: &str, geometry: &G, rays: &[Ray]) {
+    check_with(&specs(geometry), name, geometry, rays);
+}
+
+/// As brute force answers, to the bit, whichever way each of the accelerators is asked.
+pub fn check_with<G: Geometry>(specs: &[String], name: &str, geometry: &G, rays: &[Ray]) {
     let brute = registry::build("brute", geometry).unwrap();
     let truth: Vec<_> = rays.iter().map(|r| bits(brute.closest_hit(r))).collect();
-    for spec in specs(geometry) {
-        let accel = registry::build(&spec, geometry).unwrap_or_else(|e| panic!("{name}: {spec}: {e}"));
+    for spec in specs {
+        let accel = registry::build(spec, geometry).unwrap_or_else(|e| panic!("{name}: {spec}: {e}"));
         assert_eq!(accel.bounds(), brute.bounds(), "{name}: {spec}");
         for (ray, &expected) in rays.iter().zip(&truth) {
             let found = bits(accel.closest_hit(ray));

@@ -43,7 +43,7 @@ pub fn corners(scene: &Scene, i: usize) -> [Vec3; 3] {
         SceneGeometry::Triangles(t) => t[i],
         SceneGeometry::Mixed(m) => m.triangles[i],
         SceneGeometry::Voxels(v) => skipgrid::Geometry::triangle(v, i as u32).expect("a triangle"),
-        SceneGeometry::Spheres(_) => panic!("no triangles"),
+        SceneGeometry::Spheres(_) | SceneGeometry::Patches(_) => panic!("no triangles"),
     }
 }
 

@@ -141,6 +141,17 @@ impl Reader<'_> {
             }
             parts.spheres.push((Sphere { centre, radius }, of_slot(slot)));
         }
+        for (points, slot) in body.patches {
+            let mut points = points.map(|row| row.map(|p| transform.transform_point3(p.as_dvec3()).as_vec3()));
+            if transform.matrix3.determinant() < 0.0 {
+                // A mirror image: front stays front.
+                points.iter_mut().for_each(|row| row.reverse());
+            }
+            if let Some(bad) = points.as_flattened().iter().find(|p| !p.is_finite()) {
+                return Err(self.fail(at, format!("the placement moves a patch to {bad}")));
+            }
+            parts.patches.push((points, of_slot(slot)));
+        }
         for mut mesh in body.meshes {
             mesh.material = of_slot(mesh.material);
             self.place(at, mesh, &transform, parts)?;

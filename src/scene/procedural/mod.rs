@@ -7,15 +7,17 @@ mod cubes;
 mod flakes;
 mod knot;
 mod lanes;
-mod patch;
+pub(super) mod patch;
 mod random;
 pub mod spd;
 mod teapot;
+mod teapot_patches;
 mod teapot_stadium;
 mod terrain;
 
 use super::{Bsdf, Camera, CameraSource, Light, Material, Mesh, RenderDefaults, SceneParts};
 use crate::error::{Error, Result};
+use crate::geometry::bezier::ControlPoints;
 use crate::geometry::{SolidVoxels, Sphere};
 use crate::registry::did_you_mean;
 use glam::{DVec3, Vec3};
@@ -47,6 +49,7 @@ pub const ENTRIES: &[Entry] = &[
     cars::ENTRY,
     teapot_stadium::ENTRY,
     teapot::ENTRY,
+    teapot_patches::ENTRY,
     cornell::ENTRY,
     knot::ENTRY,
     bumpy::ENTRY,
@@ -114,6 +117,7 @@ pub(super) struct Body {
     pub(super) spheres: Vec<(Sphere, u32)>,
     /// Voxels; their bytes are slots plus one.
     pub(super) voxels: Option<SolidVoxels>,
+    pub(super) patches: Vec<(ControlPoints, u32)>,
 }
 
 /// What makes a scene of a body.
@@ -167,11 +171,12 @@ pub(super) fn body(name: &str, options: &Options) -> Result<Body> {
 }
 
 fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
-    let Body { mut meshes, mut spheres, voxels } = (entry.body)(options)?;
+    let Body { mut meshes, mut spheres, voxels, mut patches } = (entry.body)(options)?;
     let Stage { palette, props, lights, environment, camera, defaults } = (entry.stage)(options);
     let colours = palette.len().max(1) as u32;
     meshes.iter_mut().for_each(|m| m.material %= colours);
     spheres.iter_mut().for_each(|(_, m)| *m %= colours);
+    patches.iter_mut().for_each(|(_, m)| *m %= colours);
     let mut materials = palette;
     for (mut mesh, material) in props {
         mesh.material = materials.len() as u32;
@@ -180,7 +185,7 @@ fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
     }
     let name = entry.name.to_owned();
     let set = SceneParts { materials, lights, environment, camera, defaults, ..SceneParts::default() };
-    Ok(SceneParts { name, meshes, spheres, voxels, ..set })
+    Ok(SceneParts { name, meshes, spheres, voxels, patches, ..set })
 }
 
 fn find(name: &str) -> Option<&'static Entry> {
@@ -295,7 +300,8 @@ mod tests {
     fn every_entry_makes_a_valid_scene_that_is_lit() {
         for entry in ENTRIES {
             let parts = made(entry.name);
-            assert!(parts.meshes.len() + parts.spheres.len() > 0 || parts.voxels.is_some(), "{}", entry.name);
+            let some = parts.meshes.len() + parts.spheres.len() + parts.patches.len() > 0;
+            assert!(some || parts.voxels.is_some(), "{}", entry.name);
             let normals_fit = |m: &Mesh| m.normals.is_empty() || turned(m) == 0;
             for mesh in &parts.meshes {
                 assert!(normals_fit(mesh), "{} `{}`: {} turned", entry.name, mesh.name, turned(mesh));

@@ -5,17 +5,17 @@ use glam::DVec3;
 
 /// Whether the last row of samples is the first one again.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Edge {
+pub(in crate::scene) enum Edge {
     Open,
     Closed,
 }
 
 /// Number of cells along a parameter, and whether it closes.
-pub(super) type Steps = (u32, Edge);
+pub(in crate::scene) type Steps = (u32, Edge);
 
 /// Samples `point(u, v)`, u and v from 0 to 1, and joins the samples by two triangles for each cell, counter-clockwise
 /// where u runs right and v up. `point` gives the position and any normal that is not zero; a zero normal shades flat.
-pub(super) fn patch(name: &str, u: Steps, v: Steps, point: impl Fn(f64, f64) -> (DVec3, DVec3)) -> Mesh {
+pub(in crate::scene) fn patch(name: &str, u: Steps, v: Steps, point: impl Fn(f64, f64) -> (DVec3, DVec3)) -> Mesh {
     // A closed parameter reuses its first samples, so that no gap can open.
     let samples = |(n, edge): Steps| n + u32::from(edge == Edge::Open);
     let (columns, rows) = (samples(u), samples(v));

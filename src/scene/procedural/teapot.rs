@@ -59,7 +59,7 @@ const HALVES: [[[[f64; 3]; 4]; 4]; 4] = [
     ],
 ];
 
-type Bicubic = [[DVec3; 4]; 4];
+pub(super) type Bicubic = [[DVec3; 4]; 4];
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(12, 1..=2048)?;
@@ -82,7 +82,7 @@ pub(super) fn mesh(n: u32) -> Mesh {
 }
 
 /// All 32 patches; the front of each (first index right, second up) looks outwards.
-fn patches() -> Vec<Bicubic> {
+pub(super) fn patches() -> Vec<Bicubic> {
     let mut all = Vec::new();
     for (profile, inner) in PROFILES {
         for quarter in 0..4 {
@@ -140,6 +140,6 @@ fn slope(t: f64) -> [f64; 4] {
     [-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t]
 }
 
-fn stage(_: &Options) -> Stage {
+pub(super) fn stage(_: &Options) -> Stage {
     daylight(vec![lambert("glaze", 0.7, 0.4, 0.15)])
 }
