@@ -16,7 +16,7 @@ pub mod measure;
 pub mod papers;
 #[cfg(feature = "picture")]
 pub mod picture;
-#[cfg(feature = "scene")]
+#[cfg(any(test, feature = "scene"))]
 mod random;
 pub mod ray;
 pub mod registry;
