@@ -18,7 +18,7 @@ mod npy;
 pub mod papers;
 #[cfg(feature = "picture")]
 pub mod picture;
-#[cfg(feature = "scene")]
+#[cfg(any(test, feature = "scene"))]
 mod random;
 pub mod ray;
 pub mod registry;
