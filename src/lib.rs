@@ -4,6 +4,7 @@
 pub mod accel;
 #[path = "../adapters/accel/mod.rs"]
 pub mod adapters;
+pub mod bsp;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod error;

@@ -1,11 +1,13 @@
 //! What every accelerator answers: which primitive does a ray meet first, and does it meet any.
 
 mod brute;
+mod budget;
 mod probe;
 mod shadows;
 
 pub use brute::BruteForce;
 pub(crate) use brute::{scan_all, scan_any};
+pub(crate) use budget::default_budget;
 pub use probe::{Counts, Probe};
 pub use shadows::{PointShadows, Shadow};
 

@@ -13,6 +13,10 @@ pub trait Probe {
     #[inline(always)]
     fn leap(&mut self) {}
 
+    /// A leaf of a tree was reached; an empty subtree counts as a leaf, though it is no node and takes no step.
+    #[inline(always)]
+    fn leaf(&mut self) {}
+
     /// A primitive was tested.
     #[inline(always)]
     fn test(&mut self) {}

@@ -6,7 +6,7 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, dda, semwal_kvarnstrom, shadow_voxels, spd};
+use crate::papers::{Report, amanatides_woo, arvo, dda, semwal_kvarnstrom, shadow_voxels, spd};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -18,6 +18,7 @@ seconds and shows what there is to see, not how fast it is.
 
 Examples:
   skipgrid papers amanatides-woo
+  skipgrid papers arvo --grids 4,64,1024
   skipgrid papers semwal-kvarnstrom --grids 32,64 --svg skips.svg
   skipgrid papers spd --format markdown -o spd.md --svg spd.svg";
 
@@ -32,6 +33,7 @@ pub struct Args {
 #[derive(Debug, clap::Subcommand)]
 enum Paper {
     AmanatidesWoo(AmanatidesWoo),
+    Arvo(Arvo),
     SemwalKvarnstrom(SemwalKvarnstrom),
     ShadowVoxels(ShadowVoxels),
     Spd(Spd),
@@ -44,6 +46,29 @@ struct AmanatidesWoo {
     /// Subdivisions of each axis; the paper's own come on top (1 to 128)
     #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
     grids: Vec<u32>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Arvo 1988: nodes and leaves of rays through octrees, linear walks against re-traversal
+#[derive(Debug, clap::Args)]
+struct Arvo {
+    /// Leaves on each axis of the complete trees, powers of two (4 to 1024)
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
+    grids: Vec<u32>,
+
+    /// Rays through each of them (1000; 100 with --quick)
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<u32>::new().range(1..=1_000_000))]
+    rays: Option<u32>,
+
+    /// Accelerator, with options; give it once for each (all of the note's and a BVH); the plain grid always comes first
+    #[arg(long = "accel", value_name = "A")]
+    accels: Vec<String>,
+
+    /// Scene, a file or one made by formula; give it once for each (random, flakes, bumpy, two of SPD)
+    #[arg(long = "scene", value_name = "S")]
+    scenes: Vec<String>,
 
     #[command(flatten)]
     common: Common,
@@ -157,6 +182,7 @@ fn grid() -> RangedU64ValueParser<u32> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let common = match &args.paper {
         Paper::AmanatidesWoo(AmanatidesWoo { common, .. })
+        | Paper::Arvo(Arvo { common, .. })
         | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
         | Paper::ShadowVoxels(ShadowVoxels { common, .. })
         | Paper::Spd(Spd { common, .. })
@@ -227,6 +253,18 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
         Paper::AmanatidesWoo(args) => {
             let grids = or(&args.grids, &[1, 2, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128], &[2, 4, 8]);
             amanatides_woo::run(&amanatides_woo::Options { size, rounds, grids }, &watch)
+        }
+        Paper::Arvo(args) => {
+            let names = |given: &[String], usual: &[&str]| match given {
+                [] => usual.iter().map(|name| name.to_string()).collect(),
+                _ => given.to_vec(),
+            };
+            let grids = or(&args.grids, &[4, 8, 16, 32, 64, 128, 256, 512, 1024], &[4, 16, 64]);
+            let scenes = names(&args.scenes, if quick { &arvo::QUICK_SCENES } else { &arvo::SCENES });
+            let accels = names(&args.accels, &arvo::METHODS);
+            let rays = args.rays.unwrap_or(if quick { 100 } else { 1000 });
+            let most = if quick { 2_000 } else { 100_000 };
+            arvo::run(&arvo::Options { grids, rays, size, rounds, scenes, accels, most }, &watch)
         }
         Paper::SemwalKvarnstrom(args) => {
             let grids = or(&args.grids, &[32, 64, 128], &[16, 32]);

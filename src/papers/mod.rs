@@ -4,6 +4,7 @@
 //! all of them answer the same questions in the same order; see [`trace`].
 
 pub mod amanatides_woo;
+pub mod arvo;
 pub mod dda;
 pub mod plot;
 pub mod printed_dda;

@@ -1,5 +1,6 @@
 //! Every accelerator by name, one entry each; parses specifications such as `grid:density=4,mailbox=on`.
 
+mod bsp;
 mod spec;
 mod voxels;
 
@@ -130,6 +131,7 @@ pub const ENTRIES: &[Entry] = &[
         source: "after an article on branchless DDA voxel tracing; Amanatides & Woo 1987",
         needs: Needs::SolidVoxels,
     },
+    bsp::ENTRY,
     #[cfg(feature = "obvhs")]
     Entry {
         name: "obvhs-bvh2",
@@ -188,6 +190,7 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
         "grid-dsz24" => skip_grid::<_, DirectedSafeZones24>(spec, geometry)?,
         "grid-chessboard" => skip_grid::<_, Chessboard>(spec, geometry)?,
         "grid-octant" => skip_grid::<_, Octants>(spec, geometry)?,
+        "bsp" => bsp::build(spec, geometry)?,
         "voxels" => match geometry.solid() {
             Some(solid) => voxels::build(spec, solid.clone())?,
             None => return Err(spec.error("needs a scene of solid voxels such as a .vox file")),
@@ -352,6 +355,13 @@ mod tests {
             ("grid-clouds:distances=log", "linear|log2|half"),
             ("grid-octant:landing=paper", "unknown option `landing`"),
             ("grid-dsz:landing=paper,distances=log2", "linear distances only"),
+            ("bsp:listing=midpoint,planes=sah", "listing=midpoint is for planes=midpoint alone"),
+            ("bsp:walk=climb,planes=oblique", "planes=midpoint alone"),
+            ("bsp:walk=retraverse,listing=interval", "walk=partition alone"),
+            ("bsp:planes=best", "midpoint|sah|oblique"),
+            ("bsp:leaf=0", "leaf"),
+            ("bsp:depth=61", "depth"),
+            ("bsp:density=2", "unknown option `density`"),
             ("", "name"),
         ] {
             let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };

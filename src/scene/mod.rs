@@ -51,6 +51,19 @@ pub enum SceneGeometry {
     Voxels(SolidVoxels),
 }
 
+/// `$body` with `$g` bound to the primitives of `$scene`, whatever they are: compiled once for each kind.
+macro_rules! with_geometry {
+    ($scene:expr, $g:ident => $body:expr) => {
+        match &$scene.geometry {
+            $crate::scene::SceneGeometry::Triangles($g) => $body,
+            $crate::scene::SceneGeometry::Spheres($g) => $body,
+            $crate::scene::SceneGeometry::Mixed($g) => $body,
+            $crate::scene::SceneGeometry::Voxels($g) => $body,
+        }
+    };
+}
+pub(crate) use with_geometry;
+
 /// A triangle mesh in world space with what shading needs.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -214,12 +227,7 @@ impl Scene {
     /// # Errors
     /// As [`crate::registry::build`].
     pub fn accel(&self, spec: &str) -> Result<Box<dyn Accel>> {
-        match &self.geometry {
-            SceneGeometry::Triangles(g) => crate::registry::build(spec, g.clone()),
-            SceneGeometry::Spheres(g) => crate::registry::build(spec, g.clone()),
-            SceneGeometry::Mixed(g) => crate::registry::build(spec, g.clone()),
-            SceneGeometry::Voxels(g) => crate::registry::build(spec, g.clone()),
-        }
+        with_geometry!(self, g => crate::registry::build(spec, g.clone()))
     }
 
     /// Decides for every voxel of a grid which of the lights at `lights`, world units, surely reach it and which surely do not.
@@ -227,12 +235,7 @@ impl Scene {
     /// # Errors
     /// As [`crate::registry::shadow_voxels`].
     pub fn shadow_voxels(&self, lights: &[DVec3]) -> Result<Box<dyn PointShadows>> {
-        match &self.geometry {
-            SceneGeometry::Triangles(g) => crate::registry::shadow_voxels(g.clone(), lights),
-            SceneGeometry::Spheres(g) => crate::registry::shadow_voxels(g.clone(), lights),
-            SceneGeometry::Mixed(g) => crate::registry::shadow_voxels(g.clone(), lights),
-            SceneGeometry::Voxels(g) => crate::registry::shadow_voxels(g.clone(), lights),
-        }
+        with_geometry!(self, g => crate::registry::shadow_voxels(g.clone(), lights))
     }
 
     /// What shading needs at `hit` of `ray`, which comes from an accelerator over [`Scene::geometry`].

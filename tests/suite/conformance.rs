@@ -18,6 +18,11 @@ fn specs<G: Geometry + ?Sized>(geometry: &G) -> Vec<String> {
             specs.push(format!("grid-{name}:{options}"));
         }
     }
+    let trees = ["listing=segment", "listing=midpoint", "walk=retraverse", "walk=climb", "leaf=1,depth=60", "depth=1"];
+    specs.extend(trees.iter().map(|o| format!("bsp:{o}")));
+    for planes in ["sah", "oblique"] {
+        specs.extend(["leaf=1", "listing=segment"].iter().map(|o| format!("bsp:planes={planes},{o}")));
+    }
     specs.push("grid-dual:resolution=64,lane=255,threshold=1".into());
     specs.push("grid-dsz:density=30,mailbox=on".into());
     if geometry.solid().is_some() {

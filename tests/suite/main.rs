@@ -1,4 +1,5 @@
 //! One test program: behaviour through the public interface.
+mod bsp;
 mod cli;
 mod conformance;
 mod export;

@@ -10,7 +10,7 @@ fn skipgrid(folder: &Path, args: &[&str]) -> Output {
     output.expect("the program starts")
 }
 
-fn folder(test: &str) -> PathBuf {
+pub fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("papers").join(test);
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).expect("the target folder is writable");
@@ -22,7 +22,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 /// The JSON report of a run that must go well.
-fn report(folder: &Path, args: &[&str]) -> Value {
+pub fn report(folder: &Path, args: &[&str]) -> Value {
     let output = skipgrid(folder, &[args, &["--format", "json"]].concat());
     assert_eq!(output.status.code(), Some(0), "{args:?}: {}", text(&output.stderr));
     let value: Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -31,23 +31,23 @@ fn report(folder: &Path, args: &[&str]) -> Value {
 }
 
 /// The rows of a table.
-fn rows<'a>(report: &'a Value, name: &str) -> &'a Vec<Value> {
+pub fn rows<'a>(report: &'a Value, name: &str) -> &'a Vec<Value> {
     let tables = report["tables"].as_array().expect("tables");
     let table = tables.iter().find(|t| t["name"] == name).unwrap_or_else(|| panic!("no table `{name}`"));
     table["rows"].as_array().expect("rows")
 }
 
-fn verdicts(report: &Value) -> Vec<(&str, &str)> {
+pub fn verdicts(report: &Value) -> Vec<(&str, &str)> {
     let claims = report["claims"].as_array().expect("claims").iter();
     claims.map(|c| (c["id"].as_str().expect("an id"), c["verdict"].as_str().expect("a verdict"))).collect()
 }
 
-fn number(row: &Value, column: &str) -> f64 {
+pub fn number(row: &Value, column: &str) -> f64 {
     row[column].as_f64().unwrap_or_else(|| panic!("`{column}` of {row}"))
 }
 
 /// Checks that the elements of an SVG are nested properly, and counts those of each name.
-fn elements(svg: &str) -> std::collections::BTreeMap<&str, usize> {
+pub fn elements(svg: &str) -> std::collections::BTreeMap<&str, usize> {
     let mut counts = std::collections::BTreeMap::new();
     let mut open = Vec::new();
     for tag in svg.split('<').skip(1) {

@@ -13,15 +13,19 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("geometry", &["error", "ray"]),
     ("accel", &["geometry", "ray"]),
     ("grid", &["accel", "error", "geometry", "ray"]),
+    ("bsp", &["accel", "error", "geometry", "ray"]),
     ("adapters", &["accel", "error", "geometry", "ray"]),
     // Only the registry names an adapter.
-    ("registry", &["accel", "adapters", "error", "geometry", "grid"]),
+    ("registry", &["accel", "adapters", "bsp", "error", "geometry", "grid"]),
     ("scene", &["accel", "error", "geometry", "npy", "picture", "random", "ray", "registry"]),
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
     ("measure", &["accel", "error", "npy", "random", "ray", "scene"]),
-    ("papers", &["accel", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"]),
+    (
+        "papers",
+        &["accel", "bsp", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"],
+    ),
     ("cli", &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "validate"]),
 ];
 

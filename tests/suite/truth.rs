@@ -113,6 +113,18 @@ fn skip_methods_answer_exactly() {
     check("grid:density=20,step=integer");
 }
 
+#[test]
+fn trees_answer_exactly() {
+    for options in ["listing=interval", "listing=segment", "listing=midpoint", "walk=retraverse", "walk=climb"] {
+        check(&format!("bsp:{options}"));
+        check(&format!("bsp:{options},leaf=1,depth=45"));
+    }
+    for planes in ["sah", "oblique"] {
+        check(&format!("bsp:planes={planes}"));
+        check(&format!("bsp:planes={planes},listing=segment,leaf=1"));
+    }
+}
+
 #[cfg(feature = "obvhs")]
 #[test]
 fn obvhs_with_the_exact_test_answers_exactly() {

@@ -11,7 +11,7 @@ use crate::geometry::Geometry;
 use crate::grid::{Grid, GridOptions};
 use crate::measure::rounds::build;
 use crate::registry::with_default;
-use crate::scene::{Scene, SceneGeometry};
+use crate::scene::{Scene, with_geometry};
 
 /// The paper's methods, by their names here.
 pub const CLOUDS: &str = "grid-clouds";
@@ -224,12 +224,7 @@ fn filling(scene: &Scene, n: u32) -> Result<Filling> {
         let grid = Grid::build(geometry, &options)?;
         Ok(Filling { empty: grid.empty_voxels(), voxels: u64::from(n).pow(3), references: grid.references() })
     }
-    match &scene.geometry {
-        SceneGeometry::Triangles(g) => of(g.clone(), n),
-        SceneGeometry::Spheres(g) => of(g.clone(), n),
-        SceneGeometry::Mixed(g) => of(g.clone(), n),
-        SceneGeometry::Voxels(g) => of(g.clone(), n),
-    }
+    with_geometry!(scene, g => of(g.clone(), n))
 }
 
 /// `method` in a grid of `n` voxels an axis, if it is a grid.
