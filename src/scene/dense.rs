@@ -29,11 +29,11 @@ pub(super) fn read(path: &Path) -> Result<SceneParts> {
 
 /// The error is the cause.
 fn voxels(bytes: &[u8]) -> std::result::Result<SolidVoxels, String> {
-    let mut rest = bytes;
-    let header = read_header(&mut rest).map_err(|fault| match fault {
+    let header = read_header(&mut &bytes[..]).map_err(|fault| match fault {
         Fault::Content(cause) => cause,
         Fault::Io(error) => error.to_string(),
     })?;
+    let rest = bytes.get(header.bytes as usize..).unwrap_or_default();
     let descr = value(&header.text, "descr")?;
     if !["|u1", "|b1", "<u1", ">u1"].contains(&descr.trim_matches(['\'', '"'])) {
         return Err(format!("elements are {descr}; voxels are uint8 or bool: save array.astype('u1')"));

@@ -47,7 +47,7 @@ fn body(options: &Options) -> Result<Body> {
                 let slot = match () {
                     () if depth > 0.08 * tall => 2,
                     () if depth > 1.0 => 1,
-                    () if share < 0.3 => 3,
+                    () if share < 0.4 => 3,
                     () if share > 0.62 => 4,
                     () => 0,
                 };
