@@ -25,6 +25,9 @@ pub trait PointShadows: Send + Sync {
     /// fine too, but nothing is known of it.
     fn ask(&self, light: usize, prim: u32, ray: &Ray) -> Shadow;
 
+    /// Share of the pairs of a voxel that is not empty and a light that are surely lit or surely dark; 0 if there is no pair.
+    fn decided(&self) -> f64;
+
     /// Bytes held beside the geometry itself.
     fn memory(&self) -> Memory;
 

@@ -233,6 +233,11 @@ impl<G: Geometry> PointShadows for ShadowVoxels<G> {
         }
     }
 
+    fn decided(&self) -> f64 {
+        let decided = self.pairs[usize::from(LIT)] + self.pairs[usize::from(DARK)];
+        decided as f64 / self.pairs.iter().sum::<u64>().max(1) as f64
+    }
+
     fn memory(&self) -> Memory {
         let mut memory = self.grid.memory();
         memory.tables += self.bits.len() as u64;

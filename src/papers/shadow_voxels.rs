@@ -7,7 +7,7 @@ use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::measure::Machine;
 use crate::measure::rounds::in_turns;
-use crate::render::{Film, Integrator, RenderStats, Sampler, Settings, render};
+use crate::render::{Film, Integrator, RenderStats, SHADOW_DENSITY, Sampler, Settings, render};
 use crate::scene::{Light, LoadOptions, Scene, load};
 use glam::{DVec3, Vec3};
 use std::time::Instant;
@@ -28,6 +28,9 @@ pub const SCENES: [&str; 7] = ["random:n=1000", "lanes", "flakes:depth=4", "cars
 
 /// Numbers of lights.
 const LIGHTS: [usize; 3] = [1, 4, 16];
+
+/// Voxels for each primitive.
+const DENSITIES: [f64; 4] = [2.0, SHADOW_DENSITY, 64.0, 256.0];
 
 /// One scene with one number of lights.
 struct Measured {
@@ -67,14 +70,17 @@ pub fn run(options: &Options, watch: &Watch) -> Result<Report> {
         [] => SCENES.map(String::from).to_vec(),
         _ => options.scenes.clone(),
     };
-    let mut measured = Vec::new();
+    let (mut measured, mut finer) = (Vec::new(), Vec::new());
+    let stages = LIGHTS.len() + 1;
     for (i, name) in scenes.iter().enumerate() {
         for (j, lights) in LIGHTS.into_iter().enumerate() {
-            watch(i * LIGHTS.len() + j, scenes.len() * LIGHTS.len(), &format!("{name}, lights: {lights}"));
+            watch(i * stages + j, scenes.len() * stages, &format!("{name}, lights: {lights}"));
             measured.push(measure(name, lights, options)?);
         }
+        watch((i + 1) * stages - 1, scenes.len() * stages, &format!("{name}, finer voxels"));
+        finer.extend(sweep(name)?);
     }
-    Ok(report(options, &measured))
+    Ok(report(options, &measured, &finer))
 }
 
 fn measure(name: &str, lights: usize, options: &Options) -> Result<Measured> {
@@ -85,7 +91,7 @@ fn measure(name: &str, lights: usize, options: &Options) -> Result<Measured> {
     let light = |&position: &DVec3| Light::Point { position, intensity: Vec3::splat(reach / lights as f32) };
     scene.lights = places.iter().map(light).collect();
     let start = Instant::now();
-    let shadows = scene.shadow_voxels(&places)?;
+    let shadows = scene.shadow_voxels(&places, SHADOW_DENSITY)?;
     let build = start.elapsed().as_secs_f64();
 
     let picture = |on: bool| render(&scene, &*accel, &settings(options.size, on), &|_, _| {});
@@ -104,6 +110,28 @@ fn measure(name: &str, lights: usize, options: &Options) -> Result<Measured> {
         plain: plain.stats,
         asked: asked.stats,
     })
+}
+
+/// Four lights and voxels of one density.
+struct Finer {
+    scene: String,
+    density: f64,
+    bytes: u64,
+    build: f64,
+    described: String,
+}
+
+fn sweep(name: &str) -> Result<Vec<Finer>> {
+    let scene = load(name, &LoadOptions::default())?;
+    let places = places(&scene, &*scene.accel(PLAIN)?, 4);
+    let build = |density: f64| {
+        let start = Instant::now();
+        let shadows = scene.shadow_voxels(&places, density)?;
+        let build = start.elapsed().as_secs_f64();
+        let bytes = shadows.memory().tables;
+        Ok(Finer { scene: name.to_string(), density, bytes, build, described: shadows.describe() })
+    };
+    DENSITIES.into_iter().map(build).collect()
 }
 
 /// Pixels that differ in any bit.
@@ -139,7 +167,7 @@ fn places(scene: &Scene, accel: &dyn Accel, lights: usize) -> Vec<DVec3> {
     (0..lights).map(place).collect()
 }
 
-fn report(options: &Options, measured: &[Measured]) -> Report {
+fn report(options: &Options, measured: &[Measured], finer: &[Finer]) -> Report {
     Report {
         paper: "shadow-voxels",
         title: "Amanatides & Woo 1987, last section: two bits for each light and voxel",
@@ -147,6 +175,7 @@ fn report(options: &Options, measured: &[Measured]) -> Report {
         settings: vec![
             ("size", format!("{0} x {0} pixels, four samples each", options.size)),
             ("rounds", options.rounds.to_string()),
+            ("density", format!("{SHADOW_DENSITY} voxels a primitive")),
         ],
         notes: [
             "Point lights stand on a half sphere above the scene (within the box of cornell), instead of the scene's own. \
@@ -160,7 +189,7 @@ fn report(options: &Options, measured: &[Measured]) -> Report {
         .map(String::from)
         .to_vec(),
         claims: vec![spares(measured), pays(measured)],
-        tables: vec![table(measured), built(measured)],
+        tables: vec![table(measured), built(measured), densities(finer)],
         plot: plot(measured),
         wrong: measured.iter().map(|m| m.wrong).sum(),
     }
@@ -238,6 +267,17 @@ fn built(measured: &[Measured]) -> Table {
     for m in measured {
         let cells: [Cell; 4] =
             [m.scene.as_str().into(), (m.lights as u64).into(), m.bytes.into(), m.described.as_str().into()];
+        table.row(cells);
+    }
+    table
+}
+
+fn densities(finer: &[Finer]) -> Table {
+    let columns = ["<scene", "voxels/primitive", "bytes", "setting the bits s", "<voxels"];
+    let mut table = Table::new("density", "The smaller the voxels the more of them are decided: four lights", &columns);
+    for f in finer {
+        let cells: [Cell; 5] =
+            [f.scene.as_str().into(), f.density.into(), f.bytes.into(), f.build.into(), f.described.as_str().into()];
         table.row(cells);
     }
     table

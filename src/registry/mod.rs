@@ -211,12 +211,16 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
     })
 }
 
-/// Builds shadow voxels over `geometry` for point lights at `lights`, world units, in a grid by default options.
+/// Builds shadow voxels over `geometry` for point lights at `lights`, world units, with `density` voxels for each primitive.
 ///
 /// # Errors
 /// As [`ShadowVoxels::build`].
-pub fn shadow_voxels<'a, G: Geometry + 'a>(geometry: G, lights: &[DVec3]) -> Result<Box<dyn PointShadows + 'a>> {
-    Ok(Box::new(ShadowVoxels::build(geometry, lights, &GridOptions::default())?))
+pub fn shadow_voxels<'a, G: Geometry + 'a>(
+    geometry: G,
+    lights: &[DVec3],
+    density: f64,
+) -> Result<Box<dyn PointShadows + 'a>> {
+    Ok(Box::new(ShadowVoxels::build(geometry, lights, &GridOptions { density, ..GridOptions::default() })?))
 }
 
 /// `spec` with the option `key=value`, where its accelerator has that option and `spec` does not set it.

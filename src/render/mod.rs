@@ -16,6 +16,7 @@ mod view;
 
 pub use check::omissions;
 pub use film::{Film, RenderStats};
+pub use shadows::SHADOW_DENSITY;
 
 use crate::accel::Accel;
 use crate::error::Result;

@@ -6,27 +6,36 @@ use crate::error::Result;
 use crate::scene::Scene;
 use glam::DVec3;
 
+/// Voxels for each primitive: many more than of a grid for tracing, for a voxel is lit or dark only if all of it is.
+pub const SHADOW_DENSITY: f64 = 16.0;
+
 /// Rays to a light for each primitive from which on shadow voxels are likely to pay.
 ///
-/// The bits of one light cost about 1 to 5 us a primitive, and spare 0.02 to 0.2 us a ray where they spare anything, as
-/// `skipgrid papers shadow-voxels` shows: the balance lies between 6 and 100 rays, or nowhere where no ray is spared.
-const RAYS: f64 = 32.0;
+/// The bits of one light cost about 1 to 5 us a primitive and save 0 to 0.3 us a ray, as `skipgrid papers shadow-voxels` shows:
+/// the balance lies between 10 and 200 rays, or nowhere where next to nothing is decided.
+const RAYS: f64 = 64.0;
+
+/// Share of decided voxels below which asking costs more than it saves.
+const LEAST: f64 = 0.05;
 
 /// Shadow voxels for point lights at `points`, where they are wanted or likely to pay. Where they only are likely to and do not
-/// fit into memory, there are none.
+/// fit into memory, or turn out to know next to nothing, there are none.
 ///
 /// # Errors
 /// They are wanted and do not fit into memory.
 pub(super) fn known(scene: &Scene, points: &[DVec3], settings: &Settings) -> Result<Option<Box<dyn PointShadows>>> {
     let shades = matches!(settings.integrator, Integrator::Path | Integrator::Whitted) && settings.max_depth > 1;
-    if points.is_empty() || !shades {
+    let wanted = settings.shadow_voxels;
+    if points.is_empty()
+        || !shades
+        || wanted == Some(false)
+        || (wanted.is_none() && !pays(scene, points.len(), settings))
+    {
         return Ok(None);
     }
-    match settings.shadow_voxels {
-        Some(false) => Ok(None),
-        Some(true) => scene.shadow_voxels(points).map(Some),
-        None if pays(scene, points.len(), settings) => Ok(scene.shadow_voxels(points).ok()),
-        None => Ok(None),
+    match (scene.shadow_voxels(points, SHADOW_DENSITY), wanted) {
+        (built, Some(_)) => built.map(Some),
+        (built, None) => Ok(built.ok().filter(|shadows| shadows.decided() >= LEAST)),
     }
 }
 

@@ -240,12 +240,13 @@ impl Scene {
         with_geometry!(self, g => crate::registry::build(spec, g.clone()))
     }
 
-    /// Decides for every voxel of a grid which of the lights at `lights`, world units, surely reach it and which surely do not.
+    /// Decides for every voxel of a grid, `density` voxels for each primitive, which of the lights at `lights`, world units,
+    /// surely reach it and which surely do not.
     ///
     /// # Errors
     /// As [`crate::registry::shadow_voxels`].
-    pub fn shadow_voxels(&self, lights: &[DVec3]) -> Result<Box<dyn PointShadows>> {
-        with_geometry!(self, g => crate::registry::shadow_voxels(g.clone(), lights))
+    pub fn shadow_voxels(&self, lights: &[DVec3], density: f64) -> Result<Box<dyn PointShadows>> {
+        with_geometry!(self, g => crate::registry::shadow_voxels(g.clone(), lights, density))
     }
 
     /// What shading needs at `hit` of `ray`, which comes from an accelerator over [`Scene::geometry`].

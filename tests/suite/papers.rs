@@ -187,7 +187,7 @@ fn walks_over_solid_voxels_answer_as_lists_and_nodes_do() {
 #[test]
 fn shadow_voxels_spare_rays_and_change_no_pixel() {
     let folder = folder("shadow-voxels");
-    let args = ["shadow-voxels", "--quick", "--size", "16", "--scene", "cars", "--scene", "flakes:depth=2"];
+    let args = ["shadow-voxels", "--quick", "--size", "16", "--scene", "teapot:n=6", "--scene", "flakes:depth=2"];
     let report = report(&folder, &[&args[..], &["--svg", "s.svg"]].concat());
     let rows = rows(&report, "shadow");
     let lights: Vec<f64> = rows.iter().map(|row| number(row, "lights")).collect();
