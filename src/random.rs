@@ -1,5 +1,7 @@
 //! Seeded random numbers, the same on every machine: for ray sets and procedural scenes.
 
+#![cfg_attr(not(feature = "render"), allow(dead_code, reason = "scenes alone need less of it"))]
+
 use glam::DVec3;
 
 /// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators", figure 16): a counter, mixed.

@@ -291,7 +291,7 @@ fn plot(measured: &[Measured]) -> Plot {
             .map(|m| {
                 let traced = 1.0 - m.share(m.asked.spared);
                 let without = (m.seconds[1] - m.build) / m.seconds[0];
-                (format!("{} lights", m.lights), vec![m.seconds[1] / m.seconds[0], without, traced])
+                (format!("lights: {}", m.lights), vec![m.seconds[1] / m.seconds[0], without, traced])
             })
             .collect(),
     };

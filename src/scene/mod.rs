@@ -67,6 +67,7 @@ macro_rules! with_geometry {
         }
     };
 }
+#[cfg(feature = "cli")]
 pub(crate) use with_geometry;
 
 /// A triangle mesh in world space with what shading needs.

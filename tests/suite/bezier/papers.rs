@@ -1,15 +1,9 @@
 //! `skipgrid papers newton-seeds` on tiny pictures, and the program's verbs on patches; never a time.
 
+use crate::papers::folder;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
-
-fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bezier").join(test);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("the target folder is writable");
-    folder
-}
 
 fn skipgrid(folder: &Path, args: &[&str]) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_skipgrid")).args(args).current_dir(folder).output();
@@ -26,7 +20,7 @@ fn rows<'a>(report: &'a Value, name: &str) -> &'a Vec<Value> {
 
 #[test]
 fn seeds_are_measured_and_judged() {
-    let folder = folder("papers");
+    let folder = folder("newton-seeds");
     let args = ["papers", "newton-seeds", "--size", "24", "--rounds", "1", "--grids", "16,4", "--meshes", "4,8"];
     let output = skipgrid(&folder, &[&args[..], &["--format", "json", "--svg", "seeds.svg"]].concat());
     let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -60,7 +54,7 @@ fn seeds_are_measured_and_judged() {
 
 #[test]
 fn the_verbs_take_patches() {
-    let folder = folder("verbs");
+    let folder = folder("patch-verbs");
     let info = skipgrid(&folder, &["info", "teapot-patches", "--accel", "grid:resolution=8", "--format", "json"]);
     let info: Value = serde_json::from_slice(&info.stdout).expect("JSON");
     assert_eq!((&info["patches"], &info["triangles"]), (&32.into(), &0.into()));

@@ -87,9 +87,7 @@ fn patches_stand_alone_and_do_not_shine() {
 
 #[test]
 fn both_exporters_write_the_patches() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("bezier");
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("the target folder is writable");
+    let folder = crate::scenes::folder("patches");
     let scene = scene("teapot-patches");
     let out = folder.join("pot.pov");
     let warnings = povray::export(&scene, &ExportSettings::default(), &out).expect("written");

@@ -103,7 +103,7 @@ fn shadow_voxels_change_no_bit() {
 fn shadow_voxels_are_left_out_where_they_cannot_pay() {
     let table = table();
     let of = |settings: &Settings| film(&table, settings).stats;
-    let many = of(&Settings { sampler: Sampler::Sobol(32), ..room_settings(Integrator::Whitted) });
+    let many = of(&Settings { sampler: Sampler::Sobol(64), ..room_settings(Integrator::Whitted) });
     assert!(many.spared > 0, "{many:?}");
     let few = of(&Settings { width: 5, height: 4, sampler: Sampler::Sobol(1), ..room_settings(Integrator::Whitted) });
     assert_eq!((few.spared, few.shortened), (0, 0), "{few:?}");
