@@ -2,6 +2,7 @@
 
 use super::frame::{Frame, PADDING};
 use super::tree::{AnyPlane, AxisPlane, Oblique};
+use crate::geometry::polygon::Polygon;
 use crate::geometry::{Geometry, Triangle};
 use crate::ray::Cell;
 use glam::DVec3;
@@ -112,10 +113,10 @@ impl Sorter<'_> {
         let &Reference { prim, part } = reference;
         match self.shapes.triangle(prim) {
             Some(triangle) => {
-                let whole = Polygon::within(triangle.map(|p| self.frame.local(p.as_dvec3())), &part);
+                let whole = within(triangle.map(|p| self.frame.local(p.as_dvec3())), &part);
                 [1.0, -1.0].map(|sign| {
                     let side = whole.cut(|p| sign * (plane.product(p) - at) - PADDING);
-                    side.extent().map(|part| Reference { prim, part })
+                    extent(&side).map(|part| Reference { prim, part })
                 })
             }
             None => part.sides(plane, PADDING).map(|part| {
@@ -144,62 +145,25 @@ impl Sorter<'_> {
     }
 }
 
-/// A convex polygon: a triangle cut by seven planes has at most ten corners.
-#[derive(Clone, Copy)]
-struct Polygon {
-    corners: [DVec3; 10],
-    len: usize,
+/// A triangle cut by seven planes.
+type Part = Polygon<10>;
+
+/// The part of a triangle in a box, or a hair outside: a sliver's part may have a box so thin that rounding would leave nothing
+/// in it. 2^-20 is thousands of times the rounding of a corner, 2^-32, and a trifle beside [`PADDING`].
+fn within(triangle: [DVec3; 3], cell: &Extent) -> Part {
+    const HAIR: f64 = 1.0 / 1_048_576.0;
+    let mut part = Part::new(&triangle);
+    for axis in 0..3 {
+        part = part.cut(|p| p[axis] - cell.max[axis] - HAIR);
+        part = part.cut(|p| cell.min[axis] - p[axis] - HAIR);
+    }
+    part
 }
 
-impl Polygon {
-    /// The part of a triangle in a box, or a hair outside: a sliver's part may have a box so thin that rounding would leave
-    /// nothing in it. 2^-20 is thousands of times the rounding of a corner, 2^-32, and a trifle beside [`PADDING`].
-    fn within(triangle: [DVec3; 3], cell: &Extent) -> Self {
-        const HAIR: f64 = 1.0 / 1_048_576.0;
-        let mut polygon = Self { corners: [DVec3::ZERO; 10], len: 3 };
-        polygon.corners[..3].copy_from_slice(&triangle);
-        for axis in 0..3 {
-            polygon = polygon.cut(|p| p[axis] - cell.max[axis] - HAIR);
-            polygon = polygon.cut(|p| cell.min[axis] - p[axis] - HAIR);
-        }
-        polygon
-    }
-
-    /// The part that is not outside, where `outside` is at most 0 (Sutherland & Hodgman 1974).
-    #[inline]
-    fn cut(&self, outside: impl Fn(DVec3) -> f64) -> Self {
-        let corners = &self.corners[..self.len];
-        if corners.iter().all(|&p| outside(p) <= 0.0) {
-            return *self;
-        }
-        let mut kept = Self { corners: [DVec3::ZERO; 10], len: 0 };
-        for (i, &p) in corners.iter().enumerate() {
-            let q = corners[(i + 1) % corners.len()];
-            let (a, b) = (outside(p), outside(q));
-            if a <= 0.0 {
-                kept.push(p);
-            }
-            if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
-                kept.push(p + (q - p) * (a / (a - b)));
-            }
-        }
-        kept
-    }
-
-    fn push(&mut self, p: DVec3) {
-        // Rounding may add corners, which lie within rounding of those kept.
-        if self.len < self.corners.len() {
-            self.corners[self.len] = p;
-            self.len += 1;
-        }
-    }
-
-    /// The box around it, `None` if nothing is left.
-    fn extent(&self) -> Option<Extent> {
-        let corners = &self.corners[..self.len];
-        let part = corners.iter().fold(Extent::EMPTY, |e, &p| Extent { min: e.min.min(p), max: e.max.max(p) });
-        (self.len > 0).then_some(part)
-    }
+/// The box around a polygon, `None` if nothing is left of it.
+fn extent(part: &Part) -> Option<Extent> {
+    let around = part.corners().iter().fold(Extent::EMPTY, |e, &p| Extent { min: e.min.min(p), max: e.max.max(p) });
+    (!part.corners().is_empty()).then_some(around)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ pub(crate) mod expansion;
 mod face;
 mod indexed;
 mod mixed;
+pub(crate) mod polygon;
 mod solid;
 mod sphere;
 #[cfg(test)]

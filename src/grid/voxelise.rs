@@ -6,6 +6,7 @@
 //! meets the voxel inflated by [`PADDING`]. Other primitives are asked voxel by voxel.
 
 use super::frame::{Frame, PADDING};
+use crate::geometry::polygon::Polygon;
 use crate::geometry::{Geometry, Triangle};
 use glam::DVec3;
 
@@ -52,10 +53,10 @@ fn rasterise(frame: &Frame, triangle: &Triangle, (min, max): ([u32; 3], [u32; 3]
     let mut axes = [0, 1, 2];
     axes.sort_by_key(|&a| max[a] - min[a]);
     let [slab, column, run] = axes;
-    for (s, part) in Slices::new(Polygon::new(&corners), slab, min[slab], max[slab]) {
-        let Some((from, to)) = part.voxels(column, min[column], max[column]) else { continue };
+    for (s, part) in Slices::new(Part::new(&corners), slab, min[slab], max[slab]) {
+        let Some((from, to)) = reach(&part, column, min[column], max[column]) else { continue };
         for (c, part) in Slices::new(part, column, from, to) {
-            let Some((from, to)) = part.voxels(run, min[run], max[run]) else { continue };
+            let Some((from, to)) = reach(&part, run, min[run], max[run]) else { continue };
             let mut v = [0; 3];
             v[slab] = s;
             v[column] = c;
@@ -67,78 +68,34 @@ fn rasterise(frame: &Frame, triangle: &Triangle, (min, max): ([u32; 3], [u32; 3]
     }
 }
 
-/// A convex polygon: a triangle cut by at most four planes has at most seven corners.
-#[derive(Clone, Copy)]
-struct Polygon {
-    corners: [DVec3; 8],
-    len: usize,
-}
+/// A triangle cut by at most four planes.
+type Part = Polygon<7>;
 
-impl Polygon {
-    const EMPTY: Polygon = Polygon { corners: [DVec3::ZERO; 8], len: 0 };
-
-    fn new(corners: &[DVec3]) -> Self {
-        let mut polygon = Self::EMPTY;
-        for &p in corners {
-            polygon.push(p);
-        }
-        polygon
-    }
-
-    fn push(&mut self, p: DVec3) {
-        // Rounding can make a sliver's outline cross a plane more often than a convex one may; the surplus corners lie
-        // within rounding of those kept.
-        if self.len < self.corners.len() {
-            self.corners[self.len] = p;
-            self.len += 1;
-        }
-    }
-
-    /// The voxels of an axis that the polygon reaches, padded, within `least..=most`; `None` if it has no corner.
-    fn voxels(&self, axis: usize, least: u32, most: u32) -> Option<(u32, u32)> {
-        let corners = &self.corners[..self.len];
-        let min = corners.iter().map(|p| p[axis]).reduce(f64::min)?;
-        let max = corners.iter().map(|p| p[axis]).reduce(f64::max)?;
-        Some((((min - PADDING) as u32).clamp(least, most), ((max + PADDING) as u32).clamp(least, most)))
-    }
-
-    /// The part with coordinates at most (`SIGN` 1) or at least (`SIGN` -1) `bound` along `axis` (Sutherland & Hodgman
-    /// 1974).
-    fn clip<const SIGN: i8>(&self, axis: usize, bound: f64) -> Self {
-        let outside = |p: DVec3| (p[axis] - bound) * f64::from(SIGN);
-        let mut kept = Self::EMPTY;
-        for i in 0..self.len {
-            let (p, q) = (self.corners[i], self.corners[(i + 1) % self.len]);
-            let (a, b) = (outside(p), outside(q));
-            if a <= 0.0 {
-                kept.push(p);
-            }
-            if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
-                kept.push(p + (q - p) * (a / (a - b)));
-            }
-        }
-        kept
-    }
+/// The voxels of an axis that a polygon reaches, padded, within `least..=most`; `None` if it has no corner.
+fn reach(part: &Part, axis: usize, least: u32, most: u32) -> Option<(u32, u32)> {
+    let min = part.corners().iter().map(|p| p[axis]).reduce(f64::min)?;
+    let max = part.corners().iter().map(|p| p[axis]).reduce(f64::max)?;
+    Some((((min - PADDING) as u32).clamp(least, most), ((max + PADDING) as u32).clamp(least, most)))
 }
 
 /// Cuts a polygon into padded slices of one voxel along an axis.
 struct Slices {
-    rest: Polygon,
+    rest: Part,
     axis: usize,
     next: u32,
     last: u32,
 }
 
 impl Slices {
-    fn new(polygon: Polygon, axis: usize, first: u32, last: u32) -> Self {
+    fn new(polygon: Part, axis: usize, first: u32, last: u32) -> Self {
         Self { rest: polygon, axis, next: first, last }
     }
 }
 
 impl Iterator for Slices {
-    type Item = (u32, Polygon);
+    type Item = (u32, Part);
 
-    fn next(&mut self) -> Option<(u32, Polygon)> {
+    fn next(&mut self) -> Option<(u32, Part)> {
         if self.next > self.last {
             return None;
         }
@@ -148,8 +105,8 @@ impl Iterator for Slices {
             return Some((i, self.rest));
         }
         let face = f64::from(i) + 1.0;
-        let slice = self.rest.clip::<1>(self.axis, face + PADDING);
-        self.rest = self.rest.clip::<-1>(self.axis, face - PADDING);
+        let slice = self.rest.cut(|p| p[self.axis] - (face + PADDING));
+        self.rest = self.rest.cut(|p| face - PADDING - p[self.axis]);
         Some((i, slice))
     }
 }
