@@ -9,7 +9,7 @@ use crate::ray::lesser;
 ///
 /// Arvo 1988, version 2, with the reciprocals of the direction computed once as the note proposes: a plane costs a
 /// subtraction and a multiplication. Printed as: `dist > max` or `dist < 0`: near; `dist < min`: far; else both. `dist < 0`
-/// goes with finding the near child from the origin's side; here the direction decides (see [`super::walk`]). The stack
+/// goes with finding the near child from the origin's side; here the direction decides (see [`super::Partition`]). The stack
 /// keeps the end alone: a subtree that waits begins where the last one ended.
 ///
 /// Adds no error to that of a crossing.

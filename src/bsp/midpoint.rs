@@ -12,7 +12,7 @@ use crate::ray::{greater, lesser};
 /// axis. Departs from it: along an axis of no movement there are no values to halve; the bits of the position on the
 /// lattice choose the child. The whole ray's interval is kept beside the six.
 ///
-/// For trees alone that halve x, y and z in turn. Error: every halving adds at most u(|o| + n) along its axis, [`LEVELS`]
+/// For trees alone that halve x, y and z in turn. Error: every halving adds at most u(|o| + n) along its axis, 20
 /// of them together 20u(|o| + n).
 #[derive(Clone, Copy, Debug)]
 pub struct Midpoint {

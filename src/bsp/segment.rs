@@ -9,11 +9,11 @@ use crate::ray::lesser;
 ///
 /// Arvo 1988, version 1: `Intersect(node, P, D, len)`; a plane at `0 < dist < len` gives `dist` to the near child, and
 /// `len - dist` to the far one with the point moved to `Q = P + dist D`. The print has near from the side of P, which says
-/// nothing once P lies on the plane, and takes near alone at `dist = 0`; here the direction decides (see [`super::walk`])
+/// nothing once P lies on the plane, and takes near alone at `dist = 0`; here the direction decides (see [`super::Partition`])
 /// and `dist <= 0` takes far alone. The length run so far is kept beside the point, for the winner is the ray's.
 ///
 /// Error: lengths count from where the line enters the box, so that a far origin is left behind; at most
-/// [`super::frame::MAX_DEPTH`] moves lead to a point, each off by less than 8u n.
+/// [`super::BspOptions::MAX_DEPTH`] moves lead to a point, each off by less than 8u n.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     point: [f64; 4],

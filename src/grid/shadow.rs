@@ -39,7 +39,8 @@ struct PointLight {
     local: Cell,
 }
 
-/// See [the module](self).
+/// Voxels that know which point lights surely reach them and which surely do not: the two bits for each light and voxel of
+/// Amanatides & Woo 1987, last section, set only where it is proved.
 ///
 /// Memory: a quarter of a byte for each voxel and light, beside a plain grid of its own.
 #[derive(Clone, Debug)]

@@ -55,10 +55,10 @@ pub enum SceneGeometry {
     Patches(Arc<BezierPatches>),
 }
 
-/// `$body` with `$g` bound to the primitives of `$scene`, whatever they are: compiled once for each kind.
+/// `$body` with `$g` bound to the primitives of `$geometry`, whatever they are: compiled once for each kind.
 macro_rules! with_geometry {
-    ($scene:expr, $g:ident => $body:expr) => {
-        match &$scene.geometry {
+    ($geometry:expr, $g:ident => $body:expr) => {
+        match &$geometry {
             $crate::scene::SceneGeometry::Triangles($g) => $body,
             $crate::scene::SceneGeometry::Spheres($g) => $body,
             $crate::scene::SceneGeometry::Mixed($g) => $body,
@@ -69,6 +69,16 @@ macro_rules! with_geometry {
 }
 #[cfg(feature = "cli")]
 pub(crate) use with_geometry;
+
+impl SceneGeometry {
+    /// Builds the accelerator that `spec` names over these primitives.
+    ///
+    /// # Errors
+    /// As [`crate::registry::build`].
+    pub fn accel(&self, spec: &str) -> Result<Box<dyn Accel>> {
+        with_geometry!(*self, g => crate::registry::build(spec, g.clone()))
+    }
+}
 
 /// A triangle mesh in world space with what shading needs.
 #[derive(Clone, Debug, Default)]
@@ -238,7 +248,7 @@ impl Scene {
     /// # Errors
     /// As [`crate::registry::build`].
     pub fn accel(&self, spec: &str) -> Result<Box<dyn Accel>> {
-        with_geometry!(self, g => crate::registry::build(spec, g.clone()))
+        self.geometry.accel(spec)
     }
 
     /// Decides for every voxel of a grid, `density` voxels for each primitive, which of the lights at `lights`, world units,
@@ -247,7 +257,7 @@ impl Scene {
     /// # Errors
     /// As [`crate::registry::shadow_voxels`].
     pub fn shadow_voxels(&self, lights: &[DVec3], density: f64) -> Result<Box<dyn PointShadows>> {
-        with_geometry!(self, g => crate::registry::shadow_voxels(g.clone(), lights, density))
+        with_geometry!(self.geometry, g => crate::registry::shadow_voxels(g.clone(), lights, density))
     }
 
     /// What shading needs at `hit` of `ray`, which comes from an accelerator over [`Scene::geometry`].

@@ -4,20 +4,21 @@ mod papers;
 mod printed;
 mod regular;
 
-use skipgrid::{Accel, Ray, Triangle, registry};
+use crate::conformance::triangles as set;
+use skipgrid::{Accel, Ray, Triangle};
 
 /// The specifications of all walks over the same tree.
 const WALKS: [&str; 5] = ["listing=segment", "listing=interval", "listing=midpoint", "walk=retraverse", "walk=climb"];
 
 /// Every walk and every choice of planes answers as brute force does, to the bit; gives that answer's primitive.
 fn answer(triangles: &[Triangle], ray: &Ray) -> Option<u32> {
-    let triangles = triangles.to_vec();
+    let triangles = set(triangles);
     let bits = |accel: &dyn Accel| accel.closest_hit(ray).map(|hit| (hit.prim, hit.t.to_bits()));
-    let truth = bits(&registry::build("brute", &triangles).expect("always there"));
+    let truth = bits(&triangles.accel("brute").expect("always there"));
     let more = ["planes=sah", "planes=oblique", "planes=sah,listing=segment", "planes=oblique,listing=segment"];
     for options in WALKS.iter().chain(&more) {
         let spec = format!("bsp:{options},leaf=1");
-        let accel = registry::build(&spec, &triangles).expect("a tree");
+        let accel = triangles.accel(&spec).expect("a tree");
         assert_eq!(bits(&accel), truth, "{spec}: {ray:?}");
         assert_eq!(accel.any_hit(ray), truth.is_some(), "{spec}: {ray:?}");
     }
@@ -34,7 +35,7 @@ fn trees_are_refused_beyond_their_budget_and_piles_are_left_in_one_list() {
         })
         .collect();
     for planes in ["midpoint", "sah", "oblique"] {
-        let build = |memory: &str| registry::build(&format!("bsp:planes={planes},memory={memory}"), &soup);
+        let build = |memory: &str| set(&soup).accel(&format!("bsp:planes={planes},memory={memory}"));
         let tree = build("64M").expect("there is room");
         assert!(tree.memory().total() < 64 << 20);
         // Room for the primitives, not for the nodes.
@@ -43,14 +44,12 @@ fn trees_are_refused_beyond_their_budget_and_piles_are_left_in_one_list() {
         assert!(matches!(error, skipgrid::Error::TooLarge { allowed: 307_200, .. }), "{error}");
         // A thousand times the same triangle cannot be parted: no more than a few splits are tried.
         let pile = vec![soup[0]; 1000];
-        let tree = registry::build(&format!("bsp:planes={planes},leaf=1"), &pile).expect("there is room");
+        let pile = set(&pile);
+        let tree = pile.accel(&format!("bsp:planes={planes},leaf=1")).expect("there is room");
         let (bytes, line) = (tree.memory().total(), tree.describe());
         assert!(bytes < 1000 * 4 * 64, "{planes}: {bytes} bytes: {line}");
         let ray = Ray::new(random.in_cube(), soup[0][0] - soup[0][2]);
-        assert_eq!(
-            tree.any_hit(&ray),
-            skipgrid::Accel::any_hit(&registry::build("brute", &pile).expect("there"), &ray)
-        );
+        assert_eq!(tree.any_hit(&ray), pile.accel("brute").expect("there").any_hit(&ray));
     }
 }
 
@@ -59,7 +58,7 @@ fn trees_say_what_was_built() {
     use glam::Vec3;
     let at = |x: f32| [Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.01, 0.0), Vec3::new(x, 0.0, 0.01)];
     let triangles = vec![at(0.0), at(1.0), [Vec3::NAN; 3]];
-    let tree = registry::build("bsp:leaf=1", &triangles).expect("a tree");
+    let tree = set(&triangles).accel("bsp:leaf=1").expect("a tree");
     // The first plane, in the middle of x, parts the two: three nodes of 16 bytes, two references.
     assert_eq!(
         tree.describe(),
@@ -67,10 +66,9 @@ fn trees_say_what_was_built() {
          1 primitives that no ray can hit left out"
     );
     assert_eq!((tree.memory().structure, tree.memory().references), (48, 8));
-    let whole = registry::build("bsp:depth=0", &triangles).expect("a tree");
+    let whole = set(&triangles).accel("bsp:depth=0").expect("a tree");
     assert!(whole.describe().starts_with("1 nodes, 1 leaves"), "{}", whole.describe());
-    let nothing: Vec<Triangle> = Vec::new();
-    assert_eq!(registry::build("bsp", &nothing).expect("a tree").memory().total(), 0);
+    assert_eq!(set(&[]).accel("bsp").expect("a tree").memory().total(), 0);
 }
 
 #[test]
@@ -85,7 +83,7 @@ fn oblique_planes_are_chosen_where_they_part_what_axes_cannot() {
             sheets.push([corner(i + 1, 0.0), corner(i + 1, 8.0), corner(i, 8.0)]);
         }
     }
-    let tree = registry::build("bsp:planes=oblique,leaf=1", &sheets).expect("a tree");
+    let tree = set(&sheets).accel("bsp:planes=oblique,leaf=1").expect("a tree");
     let line = tree.describe();
     assert!(line.contains("planes across no axis"), "{line}");
     let mut random = crate::random::Random::new(5);

@@ -1,13 +1,24 @@
 //! Every registered accelerator against brute force, to the bit, on small scenes that are hard to get right.
+//!
+//! The accelerators are those of [`SceneGeometry`], compiled in the library, so that the tests need not compile them all again.
 
 use crate::random::Random;
 use glam::Vec3;
-use skipgrid::geometry::{Geometry, Mixed};
+use skipgrid::geometry::Mixed;
+use skipgrid::registry::Needs;
+use skipgrid::scene::SceneGeometry;
 use skipgrid::{Accel, Hit, Ray, Sphere, Triangle, registry};
+use std::sync::Arc;
+
+/// Triangles as a scene has them.
+pub fn triangles(list: &[Triangle]) -> SceneGeometry {
+    SceneGeometry::Triangles(Arc::new(list.to_vec()))
+}
 
 /// Every entry of the registry that can be built over `geometry`, and the options that change what is built.
-pub fn specs<G: Geometry + ?Sized>(geometry: &G) -> Vec<String> {
-    let suited = registry::ENTRIES.iter().filter(|e| e.suits(geometry));
+pub fn specs(geometry: &SceneGeometry) -> Vec<String> {
+    let voxels = matches!(geometry, SceneGeometry::Voxels(_));
+    let suited = registry::ENTRIES.iter().filter(|e| voxels || e.needs == Needs::Any);
     let mut specs: Vec<String> = suited.map(|e| e.name.to_string()).collect();
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
     specs.extend(grids.iter().map(|o| format!("grid:{o}")));
@@ -25,7 +36,7 @@ pub fn specs<G: Geometry + ?Sized>(geometry: &G) -> Vec<String> {
     }
     specs.push("grid-dual:resolution=64,lane=255,threshold=1".into());
     specs.push("grid-dsz:density=30,mailbox=on".into());
-    if geometry.solid().is_some() {
+    if voxels {
         specs.push("voxels:step=branchless".into());
         for skip in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
             for options in ["threshold=1", "threshold=1,distances=log2", "distances=half"] {
@@ -46,16 +57,16 @@ pub fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
 }
 
 /// Every accelerator that can be built over `geometry`, as [`check_with`] does.
-pub fn check<G: Geometry>(name: &str, geometry: &G, rays: &[Ray]) {
+pub fn check(name: &str, geometry: &SceneGeometry, rays: &[Ray]) {
     check_with(&specs(geometry), name, geometry, rays);
 }
 
 /// As brute force answers, to the bit, whichever way each of the accelerators is asked.
-pub fn check_with<G: Geometry>(specs: &[String], name: &str, geometry: &G, rays: &[Ray]) {
-    let brute = registry::build("brute", geometry).unwrap();
+pub fn check_with(specs: &[String], name: &str, geometry: &SceneGeometry, rays: &[Ray]) {
+    let brute = geometry.accel("brute").unwrap();
     let truth: Vec<_> = rays.iter().map(|r| bits(brute.closest_hit(r))).collect();
     for spec in specs {
-        let accel = registry::build(spec, geometry).unwrap_or_else(|e| panic!("{name}: {spec}: {e}"));
+        let accel = geometry.accel(spec).unwrap_or_else(|e| panic!("{name}: {spec}: {e}"));
         assert_eq!(accel.bounds(), brute.bounds(), "{name}: {spec}");
         for (ray, &expected) in rays.iter().zip(&truth) {
             let found = bits(accel.closest_hit(ray));
@@ -138,7 +149,8 @@ fn check_triangles(name: &str, seed: u64, triangles: &[Triangle]) {
     let finite: Vec<Vec3> = triangles.iter().flatten().copied().filter(|p| p.is_finite()).collect();
     let (min, max) = finite.iter().fold((Vec3::MAX, Vec3::MIN), |(a, b), &p| (a.min(p), b.max(p)));
     let centre = min * 0.5 + max * 0.5;
-    check(name, &triangles, &rays(&mut random, centre, (max - min).max_element().max(1e-44), &finite));
+    let set = self::triangles(triangles);
+    check(name, &set, &rays(&mut random, centre, (max - min).max_element().max(1e-44), &finite));
 }
 
 #[test]
@@ -251,29 +263,32 @@ fn spheres_and_mixtures_agree() {
     let mut balls = spheres(&mut random, 200);
     let targets: Vec<Vec3> = balls.iter().map(|s| s.centre + s.radius * random.in_cube()).collect();
     let shots = rays(&mut random, Vec3::ZERO, 1.0, &targets);
-    check("spheres", &balls, &shots);
+    let set = |balls: &[Sphere]| SceneGeometry::Spheres(Arc::new(balls.to_vec()));
+    check("spheres", &set(&balls), &shots);
     balls.push(Sphere { centre: Vec3::new(0.0, -1e4, 0.0), radius: 1e4 });
     balls.push(balls[3]);
     balls.push(Sphere { centre: Vec3::ZERO, radius: f32::NAN });
     balls.push(Sphere { centre: Vec3::splat(f32::INFINITY), radius: 1.0 });
     balls.push(Sphere { centre: Vec3::ZERO, radius: -1.0 });
-    check("spheres of all sizes", &balls, &shots);
+    check("spheres of all sizes", &set(&balls), &shots);
     let triangles: Vec<Triangle> = (0..200)
         .map(|_| {
             let p = random.in_cube();
             [p, p + 0.3 * random.in_cube(), p + 0.3 * random.in_cube()]
         })
         .collect();
-    check("triangles and spheres", &Mixed { triangles, spheres: balls }, &shots);
+    let mixed = SceneGeometry::Mixed(Arc::new(Mixed { triangles, spheres: balls }));
+    check("triangles and spheres", &mixed, &shots);
 }
 
 #[test]
 fn threads_and_forwarding_change_nothing() {
     let mut random = Random::new(18);
-    let balls = std::sync::Arc::new(spheres(&mut random, 300));
+    let balls = spheres(&mut random, 300);
     let shots = rays(&mut random, Vec3::ZERO, 1.0, &balls.iter().map(|s| s.centre).collect::<Vec<_>>());
-    for spec in specs(&balls) {
-        let accel: std::sync::Arc<dyn Accel> = std::sync::Arc::from(registry::build(&spec, balls.clone()).unwrap());
+    let geometry = SceneGeometry::Spheres(Arc::new(balls));
+    for spec in specs(&geometry) {
+        let accel: Arc<dyn Accel> = Arc::from(geometry.accel(&spec).unwrap());
         let alone: Vec<_> = shots.iter().map(|r| bits(accel.closest_hit(r))).collect();
         let found: Vec<_> = std::thread::scope(|scope| {
             let halves = [shots.len() / 3, shots.len()];

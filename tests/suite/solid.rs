@@ -9,7 +9,9 @@ use crate::conformance::{bits, check, rays};
 use crate::random::Random;
 use glam::Vec3;
 use skipgrid::geometry::{Geometry, IndexedTriangles, SolidVoxels};
-use skipgrid::{Ray, Triangle, registry};
+use skipgrid::grid::{Grid, GridOptions};
+use skipgrid::scene::SceneGeometry;
+use skipgrid::{Ray, Triangle};
 
 /// Voxels from a rule.
 pub fn voxels(resolution: [u32; 3], origin: Vec3, edge: f32, mut solid: impl FnMut([u32; 3]) -> bool) -> SolidVoxels {
@@ -79,16 +81,17 @@ fn check_voxels(name: &str, seed: u64, voxels: &SolidVoxels) {
     // A quarter of these: there are many scenes, and every accelerator traces every ray four times.
     let mut shots: Vec<Ray> = rays(&mut random, centre, size, &corners).into_iter().step_by(4).collect();
     shots.extend(lattice_rays(&mut random, voxels, 50));
-    check(name, voxels, &shots);
+    let scene = SceneGeometry::Voxels(voxels.clone());
+    check(name, &scene, &shots);
 
     // The same faces as triangles, with and without shared corners.
     let triangles: Vec<Triangle> = voxels.triangles().collect();
     let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect::<Vec<_>>();
     let indexed = IndexedTriangles::new(triangles.concat(), indices).expect("indices in range");
     let [ours, plain, indexed] = [
-        registry::build("voxels", voxels).expect("solid voxels"),
-        registry::build("grid", &triangles).expect("small"),
-        registry::build("grid-dsz", &indexed).expect("small"),
+        scene.accel("voxels").expect("solid voxels"),
+        crate::conformance::triangles(&triangles).accel("grid").expect("small"),
+        Box::new(Grid::build(&indexed, &GridOptions::default()).expect("small")),
     ];
     let mut hits = 0;
     for ray in &shots {
@@ -162,6 +165,7 @@ fn voxels_of_any_scale_and_place_agree() {
 #[test]
 fn wrong_specifications_say_what_is_wrong() {
     let one = voxels([2, 2, 2], Vec3::ZERO, 1.0, |_| true);
+    let scene = SceneGeometry::Voxels(one.clone());
     for (spec, part) in [
         ("voxels:density=2", "unknown option `density`"),
         ("voxels:skip=far", "none|clouds|dsz"),
@@ -171,12 +175,12 @@ fn wrong_specifications_say_what_is_wrong() {
         ("voxels:skip=octant,memory=100", "skip table of chessboard distances by octant over 64 voxels"),
         ("voxels:memory=15", "bits of 4 x 4 x 4 voxels: wants 16 bytes"),
     ] {
-        let Err(error) = registry::build(spec, &one) else { panic!("{spec} was accepted") };
+        let Err(error) = scene.accel(spec) else { panic!("{spec} was accepted") };
         assert!(error.to_string().contains(part), "{spec}: {error}");
     }
-    assert!(registry::build("voxels:skip=dual,lane=3,memory=1K", &one).is_ok());
+    assert!(scene.accel("voxels:skip=dual,lane=3,memory=1K").is_ok());
     let triangles: Vec<Triangle> = one.triangles().collect();
-    let Err(error) = registry::build("voxels", &triangles) else { panic!("accepted") };
+    let Err(error) = crate::conformance::triangles(&triangles).accel("voxels") else { panic!("accepted") };
     assert!(error.to_string().contains("accelerator `voxels`: needs a scene of solid voxels"), "{error}");
     // Through every wrapper the voxels are still seen.
     let boxed: Box<SolidVoxels> = Box::new(one);

@@ -64,7 +64,7 @@ fn check_case(spec: &str, case: &Path) {
     let rays = raw::read_rays(case.with_extension("rays")).expect("rays are well-formed");
     let triangles = raw::read_triangles(case.with_extension("tri")).expect("triangles are well-formed");
     assert_eq!(truth.answers.len(), rays.len(), "{name}");
-    let accel = skipgrid::registry::build(spec, &triangles).expect("the accelerator can be built");
+    let accel = crate::conformance::triangles(&triangles).accel(spec).expect("the accelerator can be built");
     let (mut hits, mut ties, mut worst) = (0, 0, 0.0f64);
     for (i, (ray, answer)) in rays.iter().zip(&truth.answers).enumerate() {
         let place = || {

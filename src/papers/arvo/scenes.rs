@@ -70,7 +70,7 @@ fn leaves(scene: &Scene, spec: &str, asked: &[Asked]) -> Result<f64> {
         ("bsp", "planes", "oblique") => Choice::Oblique,
         _ => return Ok(f64::NAN),
     };
-    with_geometry!(scene, g => leaves_of(g.clone(), planes, asked))
+    with_geometry!(scene.geometry, g => leaves_of(g.clone(), planes, asked))
 }
 
 fn leaves_of<G: Geometry>(geometry: G, planes: Choice, asked: &[Asked]) -> Result<f64> {

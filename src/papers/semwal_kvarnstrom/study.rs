@@ -224,7 +224,7 @@ fn filling(scene: &Scene, n: u32) -> Result<Filling> {
         let grid = Grid::build(geometry, &options)?;
         Ok(Filling { empty: grid.empty_voxels(), voxels: u64::from(n).pow(3), references: grid.references() })
     }
-    with_geometry!(scene, g => of(g.clone(), n))
+    with_geometry!(scene.geometry, g => of(g.clone(), n))
 }
 
 /// `method` in a grid of `n` voxels an axis, if it is a grid.

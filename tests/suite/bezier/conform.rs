@@ -7,9 +7,11 @@ use glam::Vec3;
 use skipgrid::Ray;
 use skipgrid::geometry::BezierPatches;
 use skipgrid::geometry::bezier::ControlPoints;
+use skipgrid::scene::SceneGeometry;
+use std::sync::Arc;
 
 /// All accelerators, and grids whose tests begin elsewhere.
-fn all(patches: &BezierPatches) -> Vec<String> {
+fn all(patches: &SceneGeometry) -> Vec<String> {
     let mut all = specs(patches);
     all.retain(|s| !s.contains("density=30,distances") && !s.contains("resolution=1x40x1,distances"));
     all.push("grid:seeds=fixed".into());
@@ -45,6 +47,7 @@ fn check_patches(name: &str, seed: u64, points: &[ControlPoints]) {
     let mut shots = rays(&mut random, centre, size, &aimed);
     shots.truncate(shots.len().min(700));
     shots.extend(tangents);
+    let patches = SceneGeometry::Patches(Arc::new(patches));
     check_with(&all(&patches), name, &patches, &shots);
 }
 

@@ -8,9 +8,9 @@ mod truth;
 
 use glam::{DVec3, Vec3};
 use skipgrid::Accel;
+use skipgrid::accel::BruteForce;
 use skipgrid::geometry::bezier::ControlPoints;
 use skipgrid::geometry::{BezierPatches, Geometry};
-use skipgrid::registry;
 use skipgrid::scene::procedural;
 
 /// The control points of the Utah teapot.
@@ -29,7 +29,7 @@ fn quadric(net: [[f32; 3]; 3]) -> ControlPoints {
 }
 
 fn brute(patches: &BezierPatches) -> Box<dyn Accel + '_> {
-    registry::build("brute", patches).expect("always there")
+    Box::new(BruteForce::new(patches))
 }
 
 /// A point of a patch in f64.

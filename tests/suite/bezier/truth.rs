@@ -3,9 +3,10 @@
 use super::{brute, point, quadric, teapot};
 use crate::random::Random;
 use glam::{DVec3, Vec3};
+use skipgrid::accel::BruteForce;
 use skipgrid::geometry::{BezierPatches, Geometry};
 use skipgrid::scene::{Scene, procedural};
-use skipgrid::{Ray, Triangle, registry};
+use skipgrid::{Accel, Ray, Triangle};
 
 /// Units in the last place of f32 between two numbers of like size.
 fn ulps(a: f64, b: f64) -> f64 {
@@ -20,7 +21,7 @@ fn a_flat_patch_is_two_triangles() {
     let at = |i: usize, j: usize| corner + a / 3.0 * i as f32 + b / 3.0 * j as f32;
     let patches = BezierPatches::new([std::array::from_fn(|j| std::array::from_fn(|i| at(i, j)))]);
     let triangles: Vec<Triangle> = vec![[at(0, 0), at(3, 0), at(3, 3)], [at(0, 0), at(3, 3), at(0, 3)]];
-    let (ours, theirs) = (brute(&patches), registry::build("brute", &triangles).unwrap());
+    let (ours, theirs) = (brute(&patches), BruteForce::new(&triangles));
     let mut random = Random::new(41);
     let mut hits = 0;
     for i in 0..4000 {

@@ -4,14 +4,15 @@ use super::voxels;
 use crate::random::Random;
 use glam::{DVec2, IVec2, Vec2, Vec3};
 use skipgrid::grid::{Face, SolidSequence, VoxelGrid};
-use skipgrid::{Aabb, Ray, registry};
+use skipgrid::scene::SceneGeometry;
+use skipgrid::{Aabb, Ray};
 
 #[test]
 fn the_first_solid_voxel_is_the_one_that_is_hit() {
     let mut random = Random::new(61);
     let set = voxels([20, 17, 23], Vec3::new(-5.0, 3.0, 0.0), 1.0, |_| random.below(30) == 0);
     let sequence = SolidSequence::new(&set).expect("a box");
-    let accel = registry::build("voxels", &set).expect("solid voxels");
+    let accel = SceneGeometry::Voxels(set.clone()).accel("voxels").expect("solid voxels");
     let (mut hits, mut within) = (0, 0);
     for _ in 0..4000 {
         let origin = Vec3::new(5.0, 11.5, 11.5) + 16.0 * random.in_cube();
