@@ -158,7 +158,7 @@ fn left_out(scene: &Scene, table_bytes: u64) -> Vec<String> {
     if scene.materials.iter().all(|m| m.emission == Vec3::ZERO) {
         left_out.push("area lights: no material emits".to_string());
     }
-    if !scene.lights.iter().any(|light| matches!(light, Light::Point { .. } | Light::Spot { .. })) {
+    if !scene.has_point_lights() {
         left_out.push("shadow voxels: the scene has no point or spot light".to_string());
     }
     left_out

@@ -34,11 +34,11 @@ pub struct Args {
 enum Paper {
     AmanatidesWoo(AmanatidesWoo),
     Arvo(Arvo),
+    Dda(Dda),
     NewtonSeeds(NewtonSeeds),
     SemwalKvarnstrom(SemwalKvarnstrom),
     ShadowVoxels(ShadowVoxels),
     Spd(Spd),
-    Dda(Dda),
 }
 
 /// Amanatides & Woo 1987: tests per ray with and without rayID, time against subdivision

@@ -156,6 +156,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         let share = |rays: u64| 100.0 * rays as f64 / (shadow + spared) as f64;
         let (spared, shortened) = (share(spared), share(shortened));
         console.note(format!("shadow voxels spared {spared:.1} % of the rays to lights, shortened {shortened:.1} %"));
+    } else if shadow > 0 && args.shadow_voxels == Choice::Auto && scene.has_point_lights() {
+        let primitives = scene.primitive_count();
+        console.note(format!(
+            "shadow voxels left out: {shadow} rays to lights are few for {primitives} primitives, or next to no voxel is \
+             decided (--shadow-voxels on builds them)"
+        ));
     }
     let rays = film.stats.rays() as f64 / 1e6;
     console.note(format!(

@@ -243,6 +243,11 @@ impl Scene {
         self.triangle_count() + self.spheres.len() as u32 + self.patch_materials.len() as u32
     }
 
+    /// Whether a light has a place but no extent: those that shadow voxels are for.
+    pub fn has_point_lights(&self) -> bool {
+        self.lights.iter().any(|light| matches!(light, Light::Point { .. } | Light::Spot { .. }))
+    }
+
     /// Builds the accelerator that `spec` names over the scene's primitives.
     ///
     /// # Errors
