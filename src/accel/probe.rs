@@ -35,6 +35,8 @@ pub struct Counts {
     pub steps: u64,
     /// Leaps over several voxels.
     pub leaps: u64,
+    /// Leaves of trees reached, empty ones among them; 0 for all other accelerators.
+    pub leaves: u64,
     /// Primitive tests.
     pub tests: u64,
 }
@@ -49,6 +51,10 @@ impl Probe for Counts {
         self.leaps += 1;
     }
     #[inline]
+    fn leaf(&mut self) {
+        self.leaves += 1;
+    }
+    #[inline]
     fn test(&mut self) {
         self.tests += 1;
     }
@@ -59,6 +65,7 @@ impl std::ops::AddAssign for Counts {
         self.rays += other.rays;
         self.steps += other.steps;
         self.leaps += other.leaps;
+        self.leaves += other.leaves;
         self.tests += other.tests;
     }
 }

@@ -261,24 +261,20 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
         [] => full.to_vec(),
         _ => given.to_vec(),
     };
-    let methods = &semwal_kvarnstrom::METHODS;
-    let accels = |given: &[String], more: &[&str]| match given {
-        [] => methods.iter().chain(more).map(|name| name.to_string()).collect(),
+    let names = |given: &[String], usual: &[&[&str]]| match given {
+        [] => usual.iter().copied().flatten().map(|name| name.to_string()).collect(),
         _ => given.to_vec(),
     };
+    let methods: &[&str] = &semwal_kvarnstrom::METHODS;
     let report = match paper {
         Paper::AmanatidesWoo(args) => {
             let grids = or(&args.grids, &[1, 2, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128], &[2, 4, 8]);
             amanatides_woo::run(&amanatides_woo::Options { size, rounds, grids }, &watch)
         }
         Paper::Arvo(args) => {
-            let names = |given: &[String], usual: &[&str]| match given {
-                [] => usual.iter().map(|name| name.to_string()).collect(),
-                _ => given.to_vec(),
-            };
             let grids = or(&args.grids, &[4, 8, 16, 32, 64, 128, 256, 512, 1024], &[4, 16, 64]);
-            let scenes = names(&args.scenes, if quick { &arvo::QUICK_SCENES } else { &arvo::SCENES });
-            let accels = names(&args.accels, &arvo::METHODS);
+            let scenes = names(&args.scenes, if quick { &[&arvo::QUICK_SCENES] } else { &[&arvo::SCENES] });
+            let accels = names(&args.accels, &[&arvo::METHODS]);
             let rays = args.rays.unwrap_or(if quick { 100 } else { 1000 });
             let most = if quick { 2_000 } else { 100_000 };
             arvo::run(&arvo::Options { grids, rays, size, rounds, scenes, accels, most }, &watch)
@@ -290,7 +286,7 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
         }
         Paper::SemwalKvarnstrom(args) => {
             let grids = or(&args.grids, &[32, 64, 128], &[16, 32]);
-            let (accels, scenes) = (accels(&args.accels, &[]), args.scenes.clone());
+            let (accels, scenes) = (names(&args.accels, &[methods]), args.scenes.clone());
             semwal_kvarnstrom::run(&semwal_kvarnstrom::Options { size, rounds, grids, accels, scenes }, &watch)
         }
         Paper::ShadowVoxels(args) => {
@@ -298,16 +294,14 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
             shadow_voxels::run(&shadow_voxels::Options { size, rounds, scenes }, &watch)
         }
         Paper::Spd(args) => {
-            let (accels, scenes) = (accels(&args.accels, &spd::BVHS), args.scenes.clone());
+            let (accels, scenes) = (names(&args.accels, &[methods, &spd::BVHS]), args.scenes.clone());
             let patience = if quick { 0.05 } else { 0.5 };
             spd::run(&spd::Options { size, rounds, density: args.density, accels, scenes, patience }, &watch)
         }
         Paper::Dda(args) => {
-            let scenes = match &args.scenes[..] {
-                [] if quick => vec!["voxel-terrain:n=32".to_string()],
-                [] => ["voxel-terrain", "voxel-terrain:n=256"].map(String::from).to_vec(),
-                given => given.to_vec(),
-            };
+            let usual: &[&str] =
+                if quick { &["voxel-terrain:n=32"] } else { &["voxel-terrain", "voxel-terrain:n=256"] };
+            let scenes = names(&args.scenes, &[usual]);
             dda::run(&dda::Options { size, rounds, scenes }, &watch)
         }
     };
