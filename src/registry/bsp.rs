@@ -15,6 +15,7 @@ pub(super) const ENTRY: Entry = Entry {
               included)",
     source: "Arvo 1988; Jansen 1986; Glassner 1984 (retraverse); Amanatides & Woo 1987 (climb)",
     needs: Needs::Any,
+    exact: true,
 };
 
 #[derive(Clone, Copy, PartialEq)]

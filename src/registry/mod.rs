@@ -35,6 +35,8 @@ pub struct Entry {
     pub source: &'static str,
     /// Which geometry it can be built over.
     pub needs: Needs,
+    /// True if its answers are exact; false if it brings a primitive test of its own and is here to be compared with.
+    pub exact: bool,
 }
 
 /// Which geometry an accelerator can be built over.
@@ -68,6 +70,7 @@ pub const ENTRIES: &[Entry] = &[
         options: "",
         source: "the reference of the conformance tests",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "grid",
@@ -77,6 +80,7 @@ pub const ENTRIES: &[Entry] = &[
                   patches begin), memory=BYTES (a quarter of the machine's, at most 8G)",
         source: "Amanatides & Woo 1987; lists after Lagae & Dutré 2008",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "grid-clouds",
@@ -84,6 +88,7 @@ pub const ENTRIES: &[Entry] = &[
         options: SKIP_OPTIONS_PRINTED,
         source: "Cohen & Sheffer 1994; Semwal & Kvarnstrom 1997 section 3",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "grid-dsz",
@@ -91,6 +96,7 @@ pub const ENTRIES: &[Entry] = &[
         options: SKIP_OPTIONS_PRINTED,
         source: "Semwal & Kvarnstrom 1997 section 4",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "grid-dual",
@@ -100,6 +106,7 @@ pub const ENTRIES: &[Entry] = &[
                   but step",
         source: "Semwal & Kvarnstrom 1997 section 5",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "grid-dsz24",
@@ -107,6 +114,7 @@ pub const ENTRIES: &[Entry] = &[
         options: SKIP_OPTIONS,
         source: "Semwal & Kvarnstrom 1997 section 10",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "grid-chessboard",
@@ -114,6 +122,7 @@ pub const ENTRIES: &[Entry] = &[
         options: SKIP_OPTIONS,
         source: "Sramek & Kaufman 2000",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "grid-octant",
@@ -121,6 +130,7 @@ pub const ENTRIES: &[Entry] = &[
         options: SKIP_OPTIONS,
         source: "after Es & Isler 2007 and Deakin & Knackstedt 2020",
         needs: Needs::Any,
+        exact: true,
     },
     Entry {
         name: "voxels",
@@ -130,6 +140,7 @@ pub const ENTRIES: &[Entry] = &[
                   quarter of the machine's, at most 8G)",
         source: "after an article on branchless DDA voxel tracing; Amanatides & Woo 1987",
         needs: Needs::SolidVoxels,
+        exact: true,
     },
     bsp::ENTRY,
     #[cfg(feature = "obvhs")]
@@ -139,6 +150,7 @@ pub const ENTRIES: &[Entry] = &[
         options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
         source: "obvhs 0.4: PLOC (Meister & Bittner 2018), reinsertion",
         needs: Needs::Any,
+        exact: true,
     },
     #[cfg(feature = "obvhs")]
     Entry {
@@ -147,6 +159,7 @@ pub const ENTRIES: &[Entry] = &[
         options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
         source: "obvhs 0.4: Ylitie et al. 2017 over PLOC",
         needs: Needs::Any,
+        exact: true,
     },
 ];
 

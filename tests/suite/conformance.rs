@@ -18,7 +18,7 @@ pub fn triangles(list: &[Triangle]) -> SceneGeometry {
 /// Every entry of the registry that can be built over `geometry`, and the options that change what is built.
 pub fn specs(geometry: &SceneGeometry) -> Vec<String> {
     let voxels = matches!(geometry, SceneGeometry::Voxels(_));
-    let suited = registry::ENTRIES.iter().filter(|e| voxels || e.needs == Needs::Any);
+    let suited = registry::ENTRIES.iter().filter(|e| voxels || e.needs == Needs::Any).filter(|e| e.exact);
     let mut specs: Vec<String> = suited.map(|e| e.name.to_string()).collect();
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
     specs.extend(grids.iter().map(|o| format!("grid:{o}")));
