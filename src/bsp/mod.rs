@@ -28,7 +28,7 @@ pub use segment::Segment;
 pub use tree::{AnyPlane, AxisPlane};
 pub use walk::Partition;
 
-use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
+use crate::accel::{Accel, Hit, LeftOut, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::error::{Error, Result};
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray};
@@ -52,7 +52,7 @@ pub struct Bsp<G, P = AxisPlane, W = Partition<Interval>> {
     shape: Shape,
     planes: Choice,
     bounds: Aabb,
-    ignored: u32,
+    left_out: LeftOut,
     form: PhantomData<(P, W)>,
 }
 
@@ -62,11 +62,11 @@ impl<G, P, W> Bsp<G, P, W> {
     /// # Errors
     /// `V` is for trees alone that halve x, y and z in turn, and this is another.
     pub fn with_walk<V: Walk>(self) -> Result<Bsp<G, P, V>> {
-        let Self { geometry, frame, nodes, shape, planes, bounds, ignored, .. } = self;
+        let Self { geometry, frame, nodes, shape, planes, bounds, left_out, .. } = self;
         if V::REGULAR_ONLY && planes != Choice::Midpoint {
             return Err(Error::invalid("this walk is for midpoint planes alone"));
         }
-        Ok(Bsp { geometry, frame, nodes, shape, planes, bounds, ignored, form: PhantomData })
+        Ok(Bsp { geometry, frame, nodes, shape, planes, bounds, left_out, form: PhantomData })
     }
 }
 
@@ -97,7 +97,7 @@ impl<G: Geometry, P: Planes, W: Walk> Bsp<G, P, W> {
     #[inline(never)]
     fn trace<R: Probe>(&self, any: bool, ray: &Ray, line: &Line, probe: &mut R) -> Best {
         let prep = self.geometry.prepare(ray);
-        let mut lists = Lists { geometry: &self.geometry, ray, prep, any, best: Best::NONE, probe };
+        let mut lists = Lists { geometry: &self.geometry, ray, prep, any, shift: line.shift, best: Best::NONE, probe };
         W::walk(&Kept::<P>::new(&self.nodes), line, &mut lists);
         lists.best
     }
@@ -157,10 +157,7 @@ impl<G: Geometry, P: Planes, W: Walk> Accel for Bsp<G, P, W> {
         if !self.nodes.oblique.is_empty() {
             line += &format!(", {} planes across no axis", self.nodes.oblique.len());
         }
-        if self.ignored > 0 {
-            line += &format!(", {} primitives that no ray can hit left out", self.ignored);
-        }
-        line
+        line + &self.left_out.to_string()
     }
 }
 

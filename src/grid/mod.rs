@@ -39,7 +39,7 @@ pub use walk::Walk;
 pub use walk_branchless::Branchless;
 pub use walk_integer::IntegerWalk;
 
-use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
+use crate::accel::{Accel, Hit, LeftOut, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry, Seed};
 use crate::ray::{Aabb, Ray, greater};
 use frame::Frame;
@@ -65,7 +65,7 @@ pub struct Grid<G, S = NoSkip, W = Walk> {
     bounds: Aabb,
     mailbox: bool,
     memory: u64,
-    ignored: u32,
+    left_out: LeftOut,
     walk: PhantomData<W>,
 }
 
@@ -77,7 +77,13 @@ impl<G, S: Voxels, W> Grid<G, S, W> {
 
     /// Primitives that no ray can hit, such as triangles with a corner that is not finite: they are in no voxel.
     pub fn ignored(&self) -> u32 {
-        self.ignored
+        self.left_out.unhittable
+    }
+
+    /// Primitives that equal an earlier one but for the order of corners: they can tie with it at best, and the least index
+    /// wins, so they are in no voxel.
+    pub fn copies(&self) -> u32 {
+        self.left_out.copies
     }
 
     /// Number of voxels without a primitive.
@@ -230,10 +236,7 @@ impl<G: Geometry, S: Skip<W> + Voxels, W: VoxelWalk> Accel for Grid<G, S, W> {
                 bytes => format!(", seeds of {bytes} bytes"),
             };
         }
-        if self.ignored > 0 {
-            line += &format!(", {} primitives that no ray can hit left out", self.ignored);
-        }
-        line
+        line + &self.left_out.to_string()
     }
 }
 
