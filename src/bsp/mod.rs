@@ -109,6 +109,8 @@ struct Lists<'a, G: Geometry, R> {
     ray: &'a Ray,
     prep: G::Prep,
     any: bool,
+    /// See [`Line::shift`].
+    shift: f64,
     best: Best,
     probe: &'a mut R,
 }
@@ -130,7 +132,7 @@ impl<G: Geometry, R: Probe> Visit<&[u32]> for Lists<'_, G, R> {
             }
         }
         // Infinite if there is no winner.
-        self.best.upper()
+        self.best.upper() - self.shift
     }
 }
 
@@ -229,14 +231,16 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_from_millions_of_boxes_away_is_tested_against_all() {
+    fn only_a_ray_from_beyond_all_measure_is_tested_against_all() {
         let set = soup(&mut Random::new(10));
         let tree = Bsp::build(&set, &BspOptions::default()).expect("a tree");
         let target = set[0][0] * 0.4 + set[0][1] * 0.3 + set[0][2] * 0.3;
-        for (far, all) in [(1e3, false), (1e5, false), (1e8, true)] {
+        for (far, all) in [(1e3, false), (1e5, false), (1e8, false), (1e13, false), (1e18, true)] {
             let origin = target - Vec3::X * far;
             let mut counts = crate::accel::Counts::default();
-            tree.closest_hit_counted(&Ray::new(origin, Vec3::X), &mut counts);
+            // Of no length that a few bits hold.
+            let hit = tree.closest_hit_counted(&Ray::new(origin, 0.7 * Vec3::X), &mut counts);
+            assert_eq!(hit, crate::accel::BruteForce::new(&set).closest_hit(&Ray::new(origin, 0.7 * Vec3::X)), "{far}");
             assert_eq!((counts.steps == 0, counts.tests == 300), (all, all), "{far}: {counts:?}");
         }
     }
