@@ -14,6 +14,8 @@ pub mod grid;
 pub mod measure;
 #[cfg(feature = "scene")]
 mod npy;
+#[cfg(feature = "oracle")]
+pub mod oracle;
 #[cfg(feature = "cli")]
 pub mod papers;
 #[cfg(feature = "picture")]

@@ -9,6 +9,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("ray", &[]),
     ("random", &[]),
     ("npy", &[]),
+    // Shares nothing with what it judges.
+    ("oracle", &["ray"]),
     ("picture", &["error"]),
     ("geometry", &["error", "ray"]),
     ("accel", &["geometry", "ray"]),
