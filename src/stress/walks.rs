@@ -7,7 +7,8 @@
 //! What our walks promise is less, and enough: grids insert primitives into voxels that are inflated by [`PADDING`], so each
 //! point of the ray must lie in a visited voxel *inflated by that*. A part of the ray for which this does not hold is
 //! *uncovered*: there hits would be lost. Parts within the padding of the box's faces are excused, since grids keep their
-//! primitives further inside. A ray that a walk refuses, [`Start::TooFar`], is tested against all primitives and loses nothing.
+//! primitives further inside. A ray within rounding of a plane, which passes on the wrong side of it, thus misses voxels and leaves
+//! nothing uncovered. A ray that a walk refuses, [`Start::TooFar`], is tested against all primitives and loses nothing.
 //!
 //! Walks are compared with the one in f32 that textbooks print, which adds up tMax from voxel to voxel, and with the same one
 //! when it computes tMax anew from the plane's index.
@@ -458,10 +459,9 @@ mod tests {
     fn our_walks_cover_every_ray_and_the_textbooks_does_not() {
         for case in CASES {
             // As many voxels for each case, about.
-            let count = (400_000 / case.resolution.iter().sum::<u32>()).clamp(48, 400) as usize;
+            let count = (80_000 / case.resolution.iter().sum::<u32>()).clamp(16, 160) as usize;
             let rows = study(case, count);
             for row in &rows {
-                println!("{} {} {}: {:?}", case.name, row.rays.name(), row.walk.name(), row.tally);
                 assert!(row.keeps_promise(), "{} {row:?}", case.name);
                 assert_eq!(row.tally.rays, count as u64);
                 if row.walk.is_ours() {

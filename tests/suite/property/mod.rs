@@ -195,6 +195,49 @@ fn triangles_and_spheres_answer_as_the_oracle() {
     holds(Kind::Mixed, "mixed");
 }
 
+/// What random scenes found: the closest of two that are nearer to each other than f64 parameters tell.
+#[test]
+fn parameters_apart_by_less_than_f64_holds_are_in_order() {
+    let bits = |words: [u32; 3]| Vec3::from(words.map(f32::from_bits));
+    let sphere = |centre: [u32; 3], radius: u32| Sphere { centre: bits(centre), radius: f32::from_bits(radius) };
+    let ray = |o: [u32; 3], d: [u32; 3], range: [u32; 2]| {
+        Ray::new(bits(o), bits(d)).with_range(f32::from_bits(range[0]), f32::from_bits(range[1]))
+    };
+    let cases = [
+        Case {
+            kind: Kind::Spheres,
+            triangles: Vec::new(),
+            spheres: vec![
+                sphere([0x3fc0_0000, 0xc040_0000, 0xbf80_0000], 0x4081_3e74),
+                sphere([0, 0, 0x3e0c_97b0], 0x4000_0000),
+            ],
+            rays: vec![ray([0, 0x59c0_0000, 0], [0, 0xd9c0_0000, 0x3e0c_97b0], [0x3f80_0000, 0x7f7f_ffff])],
+            choice: 0,
+        },
+        Case {
+            kind: Kind::Mixed,
+            triangles: vec![[Vec3::ZERO, Vec3::X, Vec3::Y]],
+            spheres: vec![sphere([0; 3], 0x3f80_0000)],
+            rays: vec![ray(
+                [0x3e80_0000, 0xf1b5_0bdc, 0xbf1d_692d],
+                [0xbe80_0000, 0x71b5_0bdc, 0x3f1d_692d],
+                [0xbf2e_941d, 0x4040_0000],
+            )],
+            choice: 0,
+        },
+    ];
+    for case in cases {
+        let geometry = case.geometry();
+        let truth = oracle(&case).closest(&case.rays[0]);
+        assert_eq!(truth.as_ref().map(|t| &t.prims[..]), Some(&[1][..]), "{case:?}");
+        for spec in ["brute", "grid", "grid-dual", "bsp"] {
+            let answer = ask(&geometry, spec, &case.rays)[0];
+            let fault = fault(&case, &case.rays[0], answer, truth.as_ref());
+            assert_eq!(fault, None, "{spec} answers {answer:?}, exact is {truth:?}: {case:?}");
+        }
+    }
+}
+
 #[test]
 fn faults_are_found_and_shrink_to_one_ray() {
     type Fault = fn(Answer, &Ray) -> Answer;
