@@ -1,0 +1,3 @@
+//! The stress test: what rounding could break, against exact arithmetic.
+
+pub mod walks;
