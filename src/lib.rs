@@ -28,6 +28,8 @@ pub mod registry;
 pub mod render;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "cli")]
+pub mod stress;
 #[cfg(feature = "validate")]
 pub mod validate;
 

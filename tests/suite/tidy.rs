@@ -28,7 +28,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "papers",
         &["accel", "bsp", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"],
     ),
-    ("cli", &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "validate"]),
+    ("stress", &["accel", "error", "geometry", "measure", "oracle", "random", "ray", "registry", "scene"]),
+    (
+        "cli",
+        &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "stress", "validate"],
+    ),
 ];
 
 /// Files above this many lines do more than one thing.

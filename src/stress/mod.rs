@@ -1,0 +1,20 @@
+//! The stress test: every accelerator on the catalogue of hard cases, against exact arithmetic.
+//!
+//! [`cases`] has the scenes and rays, [`run`] asks the accelerators and judges their answers by the oracle, [`Study`] is
+//! what came out.
+
+mod ask;
+pub mod cases;
+mod contender;
+mod html;
+mod judge;
+mod report;
+mod run;
+mod time;
+
+pub use contender::{Contender, contenders};
+pub use html::page;
+pub use judge::{Fault, Tally};
+pub use report::{Outcome, Result as CaseResult, Row, Study, Verdict};
+pub use run::{Options, run};
+pub use time::Times;
