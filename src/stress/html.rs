@@ -1,7 +1,7 @@
 //! A run as one page that needs no network: verdicts first, then a table for each family.
 
 use super::cases::{FAMILIES, Family};
-use super::report::{Outcome, Result, Row, Study};
+use super::report::{CaseResult, Outcome, Row, Study};
 use std::fmt::Write as _;
 
 const STYLE: &str = "\
@@ -62,7 +62,7 @@ pub fn page(study: &Study) -> String {
 }
 
 fn section(page: &mut String, family: &Family, study: &Study) {
-    let results: Vec<&Result> =
+    let results: Vec<&CaseResult> =
         study.results.iter().filter(|result| family.cases.iter().any(|case| case.name == result.case.name)).collect();
     if results.is_empty() {
         return;
@@ -97,7 +97,7 @@ fn section(page: &mut String, family: &Family, study: &Study) {
     page.push_str("</tbody>\n</table></div>\n");
 }
 
-fn cell(page: &mut String, result: &Result, row: &Row) {
+fn cell(page: &mut String, result: &CaseResult, row: &Row) {
     let (tally, times) = match &row.outcome {
         Outcome::Traced { tally, times } => (tally, times),
         Outcome::Refused(reason) => {
@@ -121,7 +121,7 @@ fn cell(page: &mut String, result: &Result, row: &Row) {
 }
 
 fn faults(page: &mut String, study: &Study) {
-    let failures: Vec<(&Result, &Row)> = study.failures().collect();
+    let failures: Vec<(&CaseResult, &Row)> = study.failures().collect();
     if failures.is_empty() {
         return;
     }

@@ -15,6 +15,6 @@ mod time;
 pub use contender::{Contender, contenders};
 pub use html::page;
 pub use judge::{Fault, Tally};
-pub use report::{Outcome, Result as CaseResult, Row, Study, Verdict};
+pub use report::{CaseResult, Outcome, Row, Study, Verdict};
 pub use run::{Options, run};
 pub use time::Times;

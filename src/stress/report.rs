@@ -9,7 +9,7 @@ use crate::measure::Machine;
 #[derive(Clone, Debug)]
 pub struct Study {
     /// One for each case.
-    pub results: Vec<Result>,
+    pub results: Vec<CaseResult>,
     /// Rays asked for in each case.
     pub rays: u64,
     /// Timed rounds.
@@ -20,7 +20,7 @@ pub struct Study {
 
 /// One case.
 #[derive(Clone, Debug)]
-pub struct Result {
+pub struct CaseResult {
     /// The case.
     pub case: &'static Case,
     /// Number of primitives.
@@ -119,12 +119,12 @@ const SLOW: f64 = 20.0;
 
 impl Study {
     /// Every accelerator on every case.
-    pub fn rows(&self) -> impl Iterator<Item = (&Result, &Row)> {
+    pub fn rows(&self) -> impl Iterator<Item = (&CaseResult, &Row)> {
         self.results.iter().flat_map(|result| result.rows.iter().map(move |row| (result, row)))
     }
 
     /// The exact accelerators on every case.
-    fn exact(&self) -> impl Iterator<Item = (&Result, &Row)> {
+    fn exact(&self) -> impl Iterator<Item = (&CaseResult, &Row)> {
         self.rows().filter(|(_, row)| row.exact)
     }
 
@@ -205,7 +205,7 @@ impl Study {
     }
 
     /// The exact accelerators that fail, with their cases.
-    pub fn failures(&self) -> impl Iterator<Item = (&Result, &Row)> {
+    pub fn failures(&self) -> impl Iterator<Item = (&CaseResult, &Row)> {
         self.exact().filter(|(result, row)| row.fails(result.case))
     }
 }

@@ -4,7 +4,7 @@ use super::ask::{Asked, ask, survive};
 use super::cases::{Case, Stage};
 use super::contender::Contender;
 use super::judge::{Bars, Tally};
-use super::report::{Outcome, Result, Row, Study};
+use super::report::{CaseResult, Outcome, Row, Study};
 use super::time::times;
 use crate::accel::Accel;
 use crate::geometry::Geometry;
@@ -64,14 +64,14 @@ pub fn run(
     Study { results, rays: options.rays, rounds: options.rounds, machine: Machine::this() }
 }
 
-fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, progress: &dyn Fn(&str)) -> Result {
+fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, progress: &dyn Fn(&str)) -> CaseResult {
     let start = Instant::now();
     let stage = case.stage();
     let primitives = primitives(&stage.geometry);
     let count = primitives.len() as u64;
     let oracle = Oracle::new(primitives);
     let rays = case.rays(options.rays);
-    let mut result = Result { case, primitives: count, rays, hits: 0, ties: 0, seconds: 0.0, rows: Vec::new() };
+    let mut result = CaseResult { case, primitives: count, rays, hits: 0, ties: 0, seconds: 0.0, rows: Vec::new() };
 
     // Positions in `result.rows` and what runs there.
     let mut running: Vec<(usize, Running)> = Vec::new();

@@ -94,7 +94,14 @@ fn small(random: &mut Random, distance: f64) -> Stage {
     let targets = list.clone();
     let shoot = move |random: &mut Random| {
         let target = pick(random, &targets);
-        let origin = (target.centre.as_dvec3() + random.direction() * distance).as_vec3();
+        if random.below(4) == 0 {
+            let origin = (target.centre.as_dvec3() + random.direction() * distance).as_vec3();
+            return Ray::new(origin, target.centre + unit(random) * target.radius - origin);
+        }
+        // Nearly along an axis f32 can aim well enough to hit such spheres, but for their rims.
+        let k = random.below(3);
+        let mut origin = in_cube(random);
+        origin[k] = distance as f32 * sign(random);
         Ray::new(origin, target.centre + unit(random) * target.radius - origin)
     };
     Stage::new(spheres(list), shoot, |random| inwards(random, Vec3::splat(0.5), 1.0))
