@@ -8,7 +8,7 @@ use super::input::check_folder;
 use super::table::Table;
 use crate::error::Result;
 use crate::picture::io::replace_file;
-use crate::stress::cases::{FAMILIES, select};
+use crate::stress::cases::{FAMILIES, Selection, select};
 use crate::stress::{Options, Study, contenders, page, run as run_cases};
 use serde_json::json;
 use std::path::PathBuf;
@@ -71,16 +71,16 @@ pub struct Args {
 
 /// Runs and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let cases = select(&args.cases)?;
+    let selection = select(&args.cases)?;
     if args.list {
-        list(args.format, &cases.iter().map(|case| case.name).collect::<Vec<_>>(), console)?;
+        list(args.format, &selection, console)?;
         return Ok(Outcome::Done);
     }
     for file in args.csv.iter().chain(&args.json).chain(&args.html) {
         check_folder(file)?;
     }
     let contenders = contenders(&args.accels)?;
-    let bar = console.progress(cases.len() as u64);
+    let bar = console.progress((selection.cases.len() + selection.walks.len()) as u64);
     let progress = |done: usize, _: usize, stage: &str| {
         bar.set_position(done as u64);
         bar.set_message(stage.to_string());
@@ -88,7 +88,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     // Panics of accelerators are counted, not printed.
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
-    let study = run_cases(&cases, &contenders, &Options { rays: args.rays, rounds: args.rounds }, &progress);
+    let study = run_cases(&selection, &contenders, &Options { rays: args.rays, rounds: args.rounds }, &progress);
     std::panic::set_hook(hook);
     bar.finish_and_clear();
 
@@ -113,20 +113,28 @@ fn write_files(args: &Args, study: &Study, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// Prints the table of the cases named in `chosen`.
-fn list(format: Format, chosen: &[&str], console: &Console) -> Result<()> {
-    let families =
-        || FAMILIES.iter().flat_map(|f| f.cases.iter().map(move |c| (f, c))).filter(|(_, c)| chosen.contains(&c.name));
+/// Prints the table of the chosen cases.
+fn list(format: Format, selection: &Selection, console: &Console) -> Result<()> {
+    let family = |name: &str| FAMILIES.iter().find(|f| f.cases.iter().any(|c| c.name == name)).map_or("", |f| f.name);
     if format == Format::Json {
-        let cases: Vec<_> = families()
-            .map(|(f, c)| json!({ "family": f.name, "case": c.name, "summary": c.summary, "must_hit": c.must_hit }))
-            .collect();
-        return console.json(&json!({ "version": env!("CARGO_PKG_VERSION"), "cases": cases }));
+        let cases = selection
+            .cases
+            .iter()
+            .map(|c| json!({ "family": family(c.name), "case": c.name, "summary": c.summary, "must_hit": c.must_hit }));
+        let walks =
+            selection.walks.iter().map(|c| json!({ "family": "walks", "case": c.name, "resolution": c.resolution }));
+        let all: Vec<_> = cases.chain(walks).collect();
+        return console.json(&json!({ "version": env!("CARGO_PKG_VERSION"), "cases": all }));
     }
     let mut table = Table::new(&["<family", "<case", "<summary", "<rays"]);
-    for (family, case) in families() {
+    for case in &selection.cases {
         let rays = case.most_rays.map_or(String::new(), |(most, reason)| format!("at most {most}: {reason}"));
-        table.row([family.name, case.name, case.summary, &rays].map(String::from).to_vec());
+        table.row([family(case.name), case.name, case.summary, &rays].map(String::from).to_vec());
+    }
+    for case in &selection.walks {
+        let [x, y, z] = case.resolution;
+        let summary = format!("voxels that walks visit in a grid of {x} x {y} x {z}, against the exact sequence");
+        table.row(["walks".into(), case.name.into(), summary, "at most 1500 of each kind".into()].to_vec());
     }
     console.data(&if format == Format::Csv { table.csv() } else { table.text() })
 }

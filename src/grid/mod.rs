@@ -39,15 +39,19 @@ pub use walk::Walk;
 pub use walk_branchless::Branchless;
 pub use walk_integer::IntegerWalk;
 
+// For those who judge the walks.
+pub(crate) use frame::Frame;
+#[cfg(feature = "cli")]
+pub(crate) use frame::PADDING;
+pub(crate) use walk::{Start, VoxelWalk};
+
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry, Seed};
 use crate::ray::{Aabb, Ray, greater};
-use frame::Frame;
 use mailbox::Mailbox;
 use seeds::Seeds;
 use skip::{Look, NoSkip, Skip, Voxels};
 use std::marker::PhantomData;
-use walk::{Start, VoxelWalk};
 
 /// A uniform grid over any geometry, which it owns, borrows (`&G`) or shares (`Arc<G>`).
 ///

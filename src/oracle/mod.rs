@@ -15,6 +15,7 @@ mod line;
 mod sphere;
 mod surd;
 mod triangle;
+pub mod voxels;
 mod whole;
 
 use crate::ray::Ray;

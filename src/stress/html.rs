@@ -56,6 +56,7 @@ pub fn page(study: &Study) -> String {
     for family in FAMILIES {
         section(&mut page, family, study);
     }
+    walks(&mut page, study);
     faults(&mut page, study);
     page.push_str("</html>\n");
     page
@@ -118,6 +119,39 @@ fn cell(page: &mut String, result: &CaseResult, row: &Row) {
         escape(&tally.per_million()),
         tally.t_error
     );
+}
+
+fn walks(page: &mut String, study: &Study) {
+    if study.walks.is_empty() {
+        return;
+    }
+    page.push_str(
+        "<h2>walks<small>the voxels that walks visit, against the exact sequence</small></h2>\n<table>\n<thead><tr>",
+    );
+    for heading in
+        ["case", "walk", "rays", "count", "wrong voxels", "missed", "lost ppm", "uncovered", "t error, voxels"]
+    {
+        let _ = write!(page, "<th>{heading}</th>");
+    }
+    page.push_str("</tr></thead>\n<tbody>\n");
+    for (case, row) in study.walks.iter().flat_map(|result| result.rows.iter().map(move |row| (result.case.name, row)))
+    {
+        let (tally, class) = (&row.tally, if row.tally.uncovered == 0 { "zero" } else { "some" });
+        let _ = writeln!(
+            page,
+            "<tr><td>{case}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td>\
+             <td>{:.3}</td><td class=\"{class}\">{}</td><td>{:.1e}</td></tr>",
+            row.walk.name(),
+            row.rays.name(),
+            tally.rays,
+            tally.wrong,
+            tally.missed,
+            tally.lost_ppm(),
+            tally.uncovered,
+            tally.t_error
+        );
+    }
+    page.push_str("</tbody>\n</table>\n");
 }
 
 fn faults(page: &mut String, study: &Study) {

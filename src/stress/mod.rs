@@ -1,7 +1,7 @@
 //! The stress test: every accelerator on the catalogue of hard cases, against exact arithmetic.
 //!
 //! [`cases`] has the scenes and rays, [`run`] asks the accelerators and judges their answers by the oracle, [`Study`] is
-//! what came out.
+//! what came out. [`walks`] looks at the voxels that walks visit.
 
 mod ask;
 pub mod cases;
@@ -11,10 +11,11 @@ mod judge;
 mod report;
 mod run;
 mod time;
+pub mod walks;
 
 pub use contender::{Contender, contenders};
 pub use html::page;
 pub use judge::{Fault, Tally};
-pub use report::{CaseResult, Outcome, Row, Study, Verdict};
+pub use report::{CaseResult, Outcome, Row, Study, Verdict, WalkResult};
 pub use run::{Options, run};
 pub use time::Times;

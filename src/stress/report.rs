@@ -3,6 +3,7 @@
 use super::cases::Case;
 use super::judge::Tally;
 use super::time::Times;
+use super::walks::{self, VoxelCase};
 use crate::measure::Machine;
 
 /// A run over cases of the catalogue.
@@ -10,6 +11,8 @@ use crate::measure::Machine;
 pub struct Study {
     /// One for each case.
     pub results: Vec<CaseResult>,
+    /// One for each case of the voxel walks.
+    pub walks: Vec<WalkResult>,
     /// Rays asked for in each case.
     pub rays: u64,
     /// Timed rounds.
@@ -35,6 +38,15 @@ pub struct CaseResult {
     pub seconds: f64,
     /// One for each accelerator that suits the case's primitives.
     pub rows: Vec<Row>,
+}
+
+/// One case of the voxel walks.
+#[derive(Clone, Debug)]
+pub struct WalkResult {
+    /// The case.
+    pub case: &'static VoxelCase,
+    /// Every walk with every kind of rays.
+    pub rows: Vec<walks::Row>,
 }
 
 /// One accelerator on a case.
@@ -177,9 +189,26 @@ impl Study {
                     worst(true)
                 ),
             },
+            self.walked(),
             self.slowest("bad input costs at most 2.5 ordinary rays", BAD, |case| case.bad_input),
             self.slowest("no ray costs more than 20 ordinary ones", SLOW, |_| true),
         ]
+    }
+
+    fn walked(&self) -> Verdict {
+        let ours = || self.walks.iter().flat_map(|result| &result.rows).filter(|row| row.walk.is_ours());
+        let (broken, rays) =
+            (ours().filter(|row| !row.keeps_promise()).count(), ours().map(|row| row.tally.rays).sum::<u64>());
+        let uncovered: u64 = ours().map(|row| row.tally.uncovered).sum();
+        Verdict {
+            bar: "no length lost in any voxel walk: no part of a ray outside the padded voxels visited",
+            met: broken == 0,
+            decides: true,
+            numbers: format!(
+                "{broken} of {} rows lose some, {uncovered} voxels uncovered; {rays} rays",
+                ours().count()
+            ),
+        }
     }
 
     fn slowest(&self, bar: &'static str, most: f64, which: impl Fn(&Case) -> bool) -> Verdict {

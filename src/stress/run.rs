@@ -1,11 +1,12 @@
 //! Runs cases: builds, asks, judges, times.
 
 use super::ask::{Asked, ask, survive};
-use super::cases::{Case, Stage};
+use super::cases::{Case, Selection, Stage};
 use super::contender::Contender;
 use super::judge::{Bars, Tally};
-use super::report::{CaseResult, Outcome, Row, Study};
+use super::report::{CaseResult, Outcome, Row, Study, WalkResult};
 use super::time::times;
+use super::walks::study;
 use crate::accel::Accel;
 use crate::geometry::Geometry;
 use crate::measure::Machine;
@@ -43,25 +44,37 @@ struct Running<'a> {
     spent: Duration,
 }
 
-/// Runs every case with every contender that suits it. `progress` is called with the cases done, all cases, and a few
-/// words.
+/// Most rays of each kind in a case of the voxel walks: they and the exact sequence visit every voxel.
+const MOST_WALKS: u64 = 1500;
+
+/// Runs every case with every contender that suits it, and the voxel walks. `progress` is called with the cases done, all
+/// cases, and a few words.
 pub fn run(
-    cases: &[&'static Case],
+    selection: &Selection,
     contenders: &[Contender],
     options: &Options,
     progress: &dyn Fn(usize, usize, &str),
 ) -> Study {
+    let (cases, all) = (&selection.cases, selection.cases.len() + selection.walks.len());
     let results = cases
         .iter()
         .enumerate()
         .map(|(done, case)| {
-            progress(done, cases.len(), case.name);
-            run_case(case, contenders, options, &|stage| {
-                progress(done, cases.len(), &format!("{}: {stage}", case.name))
-            })
+            progress(done, all, case.name);
+            run_case(case, contenders, options, &|stage| progress(done, all, &format!("{}: {stage}", case.name)))
         })
         .collect();
-    Study { results, rays: options.rays, rounds: options.rounds, machine: Machine::this() }
+    let walks = selection
+        .walks
+        .iter()
+        .enumerate()
+        .map(|(done, &case)| {
+            progress(cases.len() + done, all, case.name);
+            let rows = study(case, options.rays.min(MOST_WALKS) as usize);
+            WalkResult { case, rows }
+        })
+        .collect();
+    Study { results, walks, rays: options.rays, rounds: options.rounds, machine: Machine::this() }
 }
 
 fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, progress: &dyn Fn(&str)) -> CaseResult {

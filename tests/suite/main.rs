@@ -8,6 +8,7 @@ mod malformed;
 mod mesh_files;
 mod papers;
 mod pictures;
+mod property;
 mod random;
 mod render;
 mod scenes;

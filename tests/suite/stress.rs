@@ -4,14 +4,19 @@ use skipgrid::accel::{Counts, Memory};
 use skipgrid::oracle::{Oracle, Primitive, Truth};
 use skipgrid::ray::Aabb;
 use skipgrid::scene::SceneGeometry;
-use skipgrid::stress::cases::{Case, all, select};
+use skipgrid::stress::cases::{Case, Selection, all, select};
 use skipgrid::stress::{Contender, Options, Outcome, Row, Study, Tally, contenders, run};
 use skipgrid::{Accel, Hit, Ray};
 use std::panic;
 
 /// The case of that name.
 fn case(name: &str) -> &'static Case {
-    select(&[name.to_string()]).expect("a case of the catalogue")[0]
+    select(&[name.to_string()]).expect("a case of the catalogue").cases[0]
+}
+
+/// A run of that case alone.
+fn only(name: &str) -> Selection {
+    select(&[name.to_string()]).expect("a case of the catalogue")
 }
 
 /// The primitives as the oracle has them.
@@ -127,7 +132,12 @@ fn few() -> Vec<Contender> {
 #[test]
 fn every_case_has_strict_zero() {
     let cases: Vec<&'static Case> = all().collect();
-    let study = run(&cases, &few(), &Options { rays: 150, rounds: 0 }, &|_, _, _| {});
+    let study = run(
+        &Selection { cases: cases.clone(), walks: Vec::new() },
+        &few(),
+        &Options { rays: 150, rounds: 0 },
+        &|_, _, _| {},
+    );
     let failures: Vec<String> = study
         .failures()
         .map(|(result, row)| format!("{}: {}: {:?}", result.case.name, row.accel, row.outcome))
@@ -227,7 +237,7 @@ fn caught(lie: Lie, name: &str) -> (Study, Tally) {
     let honest = Contender::of_spec("grid");
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
-    let study = run(&[case(name)], &[honest, liar], &Options { rays: 3000, rounds: 0 }, &|_, _, _| {});
+    let study = run(&only(name), &[honest, liar], &Options { rays: 3000, rounds: 0 }, &|_, _, _| {});
     panic::set_hook(hook);
     let tally = study.results[0].rows[1].tally().expect("it can be built").clone();
     assert!(study.results[0].rows[0].tally().is_some_and(Tally::is_zero), "the honest one is not to blame");
@@ -280,7 +290,7 @@ fn builds_that_fail_are_told_apart() {
     let panics = Contender::new("panics", true, |_| panic!("as it was told"));
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
-    let study = run(&[case("soup")], &[refuses, panics], &Options { rays: 20, rounds: 0 }, &|_, _, _| {});
+    let study = run(&only("soup"), &[refuses, panics], &Options { rays: 20, rounds: 0 }, &|_, _, _| {});
     panic::set_hook(hook);
     let rows: &[Row] = &study.results[0].rows;
     assert!(matches!(&rows[0].outcome, Outcome::Refused(reason) if reason.contains("1024")), "{rows:?}");
@@ -292,7 +302,7 @@ fn builds_that_fail_are_told_apart() {
 #[test]
 fn accelerators_that_promise_nothing_do_not_decide() {
     let liar = Contender::new("liar", false, |geometry| Ok(Box::new(Liar(geometry.accel("brute")?, Lie::Miss))));
-    let study = run(&[case("wt_spiky")], &[liar], &Options { rays: 1000, rounds: 1 }, &|_, _, _| {});
+    let study = run(&only("wt_spiky"), &[liar], &Options { rays: 1000, rounds: 1 }, &|_, _, _| {});
     let row = &study.results[0].rows[0];
     assert!(row.tally().is_some_and(|tally| tally.missed > 0));
     assert!(row.times().is_some_and(|times| times.case > 0.0 && times.ordinary > 0.0));
@@ -358,7 +368,7 @@ fn the_verb_fails_where_an_exact_accelerator_does_and_refuses_what_it_does_not_k
     for name in ["wt_fan_2000", "sph_tangent_2e-7", "res_1xNx1", "instances_tiny", "identical_1e5", "mixed_kissing"] {
         assert!(stdout.contains(name), "{stdout}");
     }
-    assert_eq!(stdout.lines().count(), 1 + all().count());
+    assert_eq!(stdout.lines().count(), 1 + all().count() + skipgrid::stress::walks::CASES.len());
 
     // A landing as printed in a paper is known to be wrong, but promises nothing.
     let (code, stdout, _) = skipgrid(&["soup", "--rays", "50", "--accel", "grid-dsz:landing=paper", "--rounds", "0"]);

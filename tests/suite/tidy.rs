@@ -28,7 +28,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "papers",
         &["accel", "bsp", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"],
     ),
-    ("stress", &["accel", "error", "geometry", "measure", "oracle", "random", "ray", "registry", "scene"]),
+    ("stress", &["accel", "error", "geometry", "grid", "measure", "oracle", "random", "ray", "registry", "scene"]),
     (
         "cli",
         &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "stress", "validate"],

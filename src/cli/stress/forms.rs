@@ -48,6 +48,10 @@ pub(super) fn text(study: &Study) -> String {
         }
         out += &format!("\n{}: {}\n\n{}", family.name, family.title, table.text());
     }
+    if !study.walks.is_empty() {
+        out += "\nwalks: the voxels that walks visit, against the exact sequence\n\n";
+        out += &walks(study).text();
+    }
     out += "\n";
     out += &refusals(study);
     out += &faults(study);
@@ -90,6 +94,26 @@ impl Column {
 /// An error in a few characters.
 fn ulps(error: f64) -> String {
     if error < 1000.0 { format!("{error:.2}u") } else { format!("{error:.0e}u") }
+}
+
+/// One row for each case of the voxel walks, walk and kind of rays.
+fn walks(study: &Study) -> Table {
+    let columns =
+        ["<case", "<walk", "<kind", "rays", "wrong voxels", "missed", "lost ppm", "uncovered", "t error, voxels"];
+    let mut table = Table::new(&columns);
+    for (case, row) in study.walks.iter().flat_map(|result| result.rows.iter().map(move |row| (result.case.name, row)))
+    {
+        let tally = &row.tally;
+        let mut cells = [case, row.walk.name(), row.rays.name()].map(String::from).to_vec();
+        cells.extend([tally.rays, tally.wrong, tally.missed].map(|n| n.to_string()));
+        cells.extend([
+            format!("{:.3}", tally.lost_ppm()),
+            tally.uncovered.to_string(),
+            format!("{:.1e}", tally.t_error),
+        ]);
+        table.row(cells);
+    }
+    table
 }
 
 /// What could not be built, each reason once.
@@ -228,6 +252,27 @@ pub(super) fn json(study: &Study) -> Value {
             })
         })
         .collect();
+    let walk = |case: &'static str, row: &crate::stress::walks::Row| {
+        let tally = &row.tally;
+        json!({
+            "case": case,
+            "walk": row.walk.name(),
+            "kind": row.rays.name(),
+            "rays": tally.rays,
+            "refused": tally.refused,
+            "wrong_rays": tally.wrong_rays,
+            "voxels": tally.voxels,
+            "wrong": tally.wrong,
+            "missed": tally.missed,
+            "lost_ppm": tally.lost_ppm(),
+            "longest": tally.longest,
+            "uncovered": tally.uncovered,
+            "uncovered_ppm": tally.uncovered_ppm(),
+            "t_error_voxels": tally.t_error,
+        })
+    };
+    let walks: Vec<Value> =
+        study.walks.iter().flat_map(|result| result.rows.iter().map(|row| walk(result.case.name, row))).collect();
     let verdicts: Vec<Value> = study
         .verdicts()
         .iter()
@@ -244,6 +289,7 @@ pub(super) fn json(study: &Study) -> Value {
         "passed": study.passed(),
         "verdicts": verdicts,
         "cases": cases,
+        "walks": walks,
     })
 }
 

@@ -19,6 +19,7 @@ mod solid;
 mod spheres;
 mod watertight;
 
+use super::walks::{self, VoxelCase};
 use crate::error::{Error, Result};
 use crate::random::Random;
 use crate::ray::Ray;
@@ -192,21 +193,34 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
     FAMILIES.iter().flat_map(|family| family.cases)
 }
 
+/// What a run is about.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    /// Cases of the catalogue.
+    pub cases: Vec<&'static Case>,
+    /// Cases of the voxel walks.
+    pub walks: Vec<&'static VoxelCase>,
+}
+
 /// The cases that `patterns` name, in the order of reports: names, or beginnings followed by `*`. None: all.
 ///
 /// # Errors
 /// A pattern names no case.
-pub fn select(patterns: &[String]) -> Result<Vec<&'static Case>> {
+pub fn select(patterns: &[String]) -> Result<Selection> {
     let matches = |pattern: &str, name: &str| match pattern.strip_suffix('*') {
         Some(beginning) => name.starts_with(beginning),
         None => name == pattern,
     };
-    if let Some(pattern) = patterns.iter().find(|p| !all().any(|case| matches(p, case.name))) {
-        let names: Vec<&str> = all().map(|case| case.name).collect();
+    let names: Vec<&str> = all().map(|case| case.name).chain(walks::CASES.iter().map(|case| case.name)).collect();
+    if let Some(pattern) = patterns.iter().find(|p| !names.iter().any(|name| matches(p, name))) {
         let hint = did_you_mean(&names, pattern.trim_end_matches('*'), 4);
         return Err(Error::invalid(format!("no case `{pattern}`{hint}; `skipgrid stress --list` shows all")));
     }
-    Ok(all().filter(|case| patterns.is_empty() || patterns.iter().any(|p| matches(p, case.name))).collect())
+    let chosen = |name: &str| patterns.is_empty() || patterns.iter().any(|p| matches(p, name));
+    Ok(Selection {
+        cases: all().filter(|case| chosen(case.name)).collect(),
+        walks: walks::CASES.iter().filter(|case| chosen(case.name)).collect(),
+    })
 }
 
 #[cfg(test)]
@@ -220,8 +234,11 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), count);
-        let chosen = |p: &[&str]| select(&p.iter().map(|s| s.to_string()).collect::<Vec<_>>()).map(|c| c.len());
-        assert_eq!(chosen(&[]).unwrap(), count);
+        let chosen = |p: &[&str]| {
+            select(&p.iter().map(|s| s.to_string()).collect::<Vec<_>>()).map(|c| c.cases.len() + c.walks.len())
+        };
+        assert_eq!(chosen(&[]).unwrap(), count + walks::CASES.len());
+        assert_eq!(chosen(&["vox_*"]).unwrap(), walks::CASES.len());
         assert_eq!(chosen(&["soup", "empty"]).unwrap(), 2);
         assert!(chosen(&["wt_*"]).unwrap() > 10);
         assert!(chosen(&["wt_sphere_rnd"]).unwrap_err().to_string().contains("did you mean `wt_sphere_rand`?"));
