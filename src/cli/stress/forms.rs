@@ -131,19 +131,29 @@ fn refusals(study: &Study) -> String {
     if reasons.is_empty() { String::new() } else { reasons.into_iter().collect::<String>() + "\n" }
 }
 
-/// What exact accelerators got wrong, with rays to try again.
+/// What exact accelerators got wrong, with rays to try again. Those that are wrong alike on a case stand together.
 fn faults(study: &Study) -> String {
-    let mut out = String::new();
+    let mut groups: Vec<(&CaseResult, &Tally, Vec<&str>)> = Vec::new();
     for (result, row) in study.failures() {
         let Some(tally) = row.tally() else { continue };
+        let alike = |(other, known, _): &&mut (&CaseResult, &Tally, Vec<&str>)| {
+            other.case.name == result.case.name && known.per_million() == tally.per_million()
+        };
+        match groups.iter_mut().find(alike) {
+            Some((_, _, names)) => names.push(&row.accel),
+            None => groups.push((result, tally, vec![&row.accel])),
+        }
+    }
+    let mut out = String::new();
+    for (result, tally, names) in groups {
         out += &format!(
-            "FAULTY: {} with {}: {}; {} parameters not rounded, {} beyond the bar, error up to {}\n",
+            "FAULTY: {}: {}; {} parameters not rounded, {} beyond the bar, error up to {}; {}\n",
             result.case.name,
-            row.accel,
             tally.per_million(),
             tally.not_rounded,
             tally.beyond,
-            ulps(tally.t_error)
+            ulps(tally.t_error),
+            names.join(", ")
         );
         for fault in &tally.faults {
             out += &format!(
