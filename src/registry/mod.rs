@@ -2,6 +2,7 @@
 
 mod bsp;
 mod spec;
+mod variants;
 mod voxels;
 
 pub use spec::Spec;
@@ -9,6 +10,7 @@ pub use spec::Spec;
 pub(crate) use spec::did_you_mean;
 #[cfg(feature = "cli")]
 pub(crate) use spec::parse_bytes;
+pub use variants::{peers, variants, walks};
 
 use crate::accel::{Accel, BruteForce, PointShadows};
 #[cfg(feature = "obvhs")]
