@@ -7,6 +7,7 @@ mod export;
 mod malformed;
 mod mesh_files;
 mod papers;
+mod peers;
 mod pictures;
 mod property;
 mod random;

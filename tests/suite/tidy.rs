@@ -23,7 +23,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
-    ("measure", &["accel", "error", "npy", "random", "ray", "scene"]),
+    ("measure", &["accel", "error", "npy", "random", "ray", "registry", "scene"]),
     (
         "papers",
         &["accel", "bsp", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"],
