@@ -3,6 +3,7 @@ mod bezier;
 mod bsp;
 mod cli;
 mod conformance;
+mod exactness;
 mod export;
 mod malformed;
 mod mesh_files;
