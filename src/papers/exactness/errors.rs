@@ -124,7 +124,7 @@ pub(super) fn measure(options: &Options, watch: &Watch, done: usize, all: usize)
     let grids = GRIDS.iter().flat_map(|&test| [true, false].map(|accumulated| Contender::Grid { test, accumulated }));
     let mut contenders: Vec<Contender> = grids.collect();
     contenders.extend(ENTRIES.iter().filter(|e| !e.exact && options.peers).map(|e| Contender::Peer(e.name)));
-    let (mut rows, mut absent, mut built): (Vec<Row>, Vec<String>, Vec<Vec<Box<dyn Accel + '_>>>) = Default::default();
+    let (mut rows, mut absent, mut built) = (Vec::new(), Vec::new(), Vec::new());
     watch(done, all, "exact arithmetic");
     let truths: Vec<Vec<Option<Truth>>> = cases.iter().map(truths).collect();
     let mut wrong = 0;
