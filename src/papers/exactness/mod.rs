@@ -37,7 +37,7 @@ pub struct Options {
 pub(super) const NAME: &str = "exactness";
 
 /// Ordinary scenes that can be made here.
-pub const SCENES: [&str; 6] = ["bumpy", "knot", "terrain", "teapot", "spd-gears", "spd-tetra"];
+pub const SCENES: [&str; 6] = ["bumpy", "knot", "teapot", "cubes", "spd-gears", "spd-tetra"];
 
 /// The target: time of the exact test over Woop's in f32 in the same grid.
 const TARGET: f64 = 1.10;
@@ -123,4 +123,18 @@ fn claims(costs: &[Cost], study: &Study) -> Vec<Claim> {
             numbers: format!("{textbook} rays"),
         },
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{LoadOptions, SceneGeometry, load};
+
+    #[test]
+    fn the_usual_scenes_are_there_and_of_triangles() {
+        for name in SCENES {
+            let scene = load(name, &LoadOptions::default()).expect(name);
+            assert!(matches!(scene.geometry, SceneGeometry::Triangles(_)), "{name}");
+        }
+    }
 }
