@@ -2,12 +2,14 @@
 
 mod brute;
 mod budget;
+mod candidates;
 mod probe;
 mod shadows;
 
 pub use brute::BruteForce;
 pub(crate) use brute::{scan_all, scan_any};
 pub(crate) use budget::default_budget;
+pub(crate) use candidates::{Candidates, LeftOut};
 pub use probe::{Counts, Probe};
 pub use shadows::{PointShadows, Shadow};
 

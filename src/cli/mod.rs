@@ -12,6 +12,7 @@ mod input;
 mod list;
 mod papers;
 mod render;
+mod stress;
 mod table;
 mod trace;
 mod validate;
@@ -52,6 +53,7 @@ enum Verb {
     Compare(compare::Args),
     Trace(trace::Args),
     Validate(validate::Args),
+    Stress(stress::Args),
     Export(export::Args),
     Diff(diff::Args),
     Papers(papers::Args),
@@ -84,6 +86,7 @@ pub fn main() -> ExitCode {
         Verb::Compare(args) => compare::run(&args, &console),
         Verb::Trace(args) => trace::run(&args, &console),
         Verb::Validate(args) => validate::run(&args, &console),
+        Verb::Stress(args) => stress::run(&args, &console),
         Verb::Export(args) => export::run(&args, &console),
         Verb::Diff(args) => diff::run(&args, &console),
         Verb::Papers(args) => papers::run(&args, &console),

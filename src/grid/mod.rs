@@ -45,7 +45,7 @@ pub(crate) use frame::Frame;
 pub(crate) use frame::PADDING;
 pub(crate) use walk::{Start, VoxelWalk};
 
-use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
+use crate::accel::{Accel, Hit, LeftOut, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry, Seed};
 use crate::ray::{Aabb, Ray, greater};
 use mailbox::Mailbox;
@@ -69,7 +69,7 @@ pub struct Grid<G, S = NoSkip, W = Walk> {
     bounds: Aabb,
     mailbox: bool,
     memory: u64,
-    ignored: u32,
+    left_out: LeftOut,
     walk: PhantomData<W>,
 }
 
@@ -81,7 +81,13 @@ impl<G, S: Voxels, W> Grid<G, S, W> {
 
     /// Primitives that no ray can hit, such as triangles with a corner that is not finite: they are in no voxel.
     pub fn ignored(&self) -> u32 {
-        self.ignored
+        self.left_out.unhittable
+    }
+
+    /// Primitives that equal an earlier one but for the order of corners: they can tie with it at best, and the least index
+    /// wins, so they are in no voxel.
+    pub fn copies(&self) -> u32 {
+        self.left_out.copies
     }
 
     /// Number of voxels without a primitive.
@@ -234,10 +240,7 @@ impl<G: Geometry, S: Skip<W> + Voxels, W: VoxelWalk> Accel for Grid<G, S, W> {
                 bytes => format!(", seeds of {bytes} bytes"),
             };
         }
-        if self.ignored > 0 {
-            line += &format!(", {} primitives that no ray can hit left out", self.ignored);
-        }
-        line
+        line + &self.left_out.to_string()
     }
 }
 

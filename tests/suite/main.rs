@@ -14,6 +14,7 @@ mod render;
 mod scenes;
 mod solid;
 mod spd;
+mod stress;
 mod tidy;
 mod truth;
 mod validate;
