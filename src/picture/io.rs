@@ -174,7 +174,7 @@ pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
 static WRITERS: RwLock<()> = RwLock::new(());
 
 /// Calls `then` once no file is being written; as long as it runs none is begun.
-#[cfg(feature = "cli")]
+#[cfg(all(feature = "cli", unix))]
 pub(crate) fn between_files<T>(then: impl FnOnce() -> T) -> T {
     let _alone = WRITERS.write().unwrap_or_else(PoisonError::into_inner);
     then()
