@@ -14,6 +14,8 @@ pub mod grid;
 pub mod measure;
 #[cfg(feature = "scene")]
 mod npy;
+#[cfg(feature = "oracle")]
+pub mod oracle;
 #[cfg(feature = "cli")]
 pub mod papers;
 #[cfg(feature = "picture")]
@@ -26,6 +28,8 @@ pub mod registry;
 pub mod render;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "cli")]
+pub mod stress;
 #[cfg(feature = "validate")]
 pub mod validate;
 

@@ -11,10 +11,11 @@
 //! - **Padding.** With coordinates of boxes below 0.75, of origins at most 2, and u = 2^-24, the ray handed over is off by at
 //!   most 8u, the f32 box test and the quantised boxes by some 30u, and the clamp of inverse directions at 2^23 by 6u: together
 //!   below 2^-18. Boxes are padded by 2^-17, and the best parameter handed back is raised by as much.
-//! - Primitives that no ray can hit, which make obvhs panic when they are not finite, are not handed over.
+//! - Primitives that no ray can hit, which make obvhs panic when they are not finite, are not handed over, nor are copies of
+//!   others, on which its builder takes minutes.
 //! - A ray that starts so far away that f64 cannot find the entry to within 2^-22 is tested against every primitive.
 
-use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
+use crate::accel::{Accel, Candidates, Hit, LeftOut, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry};
 use crate::ray::{Aabb, Ray, greater, lesser};
 use glam::{DVec3, Vec3, Vec3A};
@@ -133,6 +134,7 @@ struct Bvh<G, T> {
     prims: Vec<u32>,
     frame: Frame,
     bounds: Aabb,
+    left_out: LeftOut,
     preset: Preset,
 }
 
@@ -252,14 +254,12 @@ enum Entry {
 
 impl<G: Geometry, T: Tree> Bvh<G, T> {
     fn build(geometry: G, preset: Preset) -> Self {
-        let all = (0..geometry.len()).map(|prim| (prim, geometry.bounds(prim)));
-        let (kept, boxes): (Vec<u32>, Vec<Aabb>) = all.filter(|(_, b)| !b.is_empty()).unzip();
-        let bounds = boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b));
+        let Candidates { prims: kept, bounds, left_out } = Candidates::of(&geometry);
         let frame = Frame::new(&bounds);
-        let boxes: Vec<_> = boxes.iter().map(|b| frame.local_box(b)).collect();
+        let boxes: Vec<_> = kept.iter().map(|&prim| frame.local_box(&geometry.bounds(prim))).collect();
         let tree = (!boxes.is_empty()).then(|| T::build(&boxes, preset.params()));
         let prims = tree.iter().flat_map(|t| t.order()).map(|&i| kept[i as usize]).collect();
-        Self { geometry, tree, prims, frame, bounds, preset }
+        Self { geometry, tree, prims, frame, bounds, left_out, preset }
     }
 
     #[inline]
@@ -321,10 +321,7 @@ impl<G: Geometry, T: Tree> Accel for Bvh<G, T> {
 
     fn describe(&self) -> String {
         let preset = Preset::NAMES.iter().find(|(_, p)| *p == self.preset).map_or("", |(name, _)| name);
-        let ignored = self.geometry.len() as usize - self.prims.len();
-        let left_out =
-            if ignored > 0 { format!(", {ignored} primitives that no ray can hit left out") } else { String::new() };
-        format!("preset {preset}, nodes visited are not counted{left_out}")
+        format!("preset {preset}, nodes visited are not counted{}", self.left_out)
     }
 }
 

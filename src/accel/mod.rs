@@ -2,6 +2,7 @@
 
 mod brute;
 mod budget;
+mod candidates;
 mod probe;
 mod shadows;
 
@@ -10,6 +11,7 @@ pub(crate) use brute::{scan_all, scan_any};
 pub(crate) use budget::default_budget;
 #[cfg(feature = "scene")]
 pub(crate) use budget::half_the_memory;
+pub(crate) use candidates::{Candidates, LeftOut};
 pub use probe::{Counts, Probe};
 pub use shadows::{PointShadows, Shadow};
 

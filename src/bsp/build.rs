@@ -8,9 +8,9 @@ use super::options::{BspOptions, Choice};
 use super::reference::{Extent, Of, Reference, Sorter};
 use super::tree::{AnyPlane, AxisPlane};
 use super::walk::Partition;
+use crate::accel::Candidates;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
-use crate::ray::Aabb;
 use glam::DVec3;
 use std::marker::PhantomData;
 
@@ -40,30 +40,19 @@ impl<G: Geometry> Bsp<G, AnyPlane, Partition<Interval>> {
 
 fn planted<G: Geometry, P: Planes>(geometry: G, options: &BspOptions) -> Result<Bsp<G, P, Partition<Interval>>> {
     options.check()?;
-    let mut bounds = Aabb::EMPTY;
-    let mut count = 0;
-    for prim in 0..geometry.len() {
-        let b = geometry.bounds(prim);
-        if !b.is_empty() {
-            bounds = bounds.union(&b);
-            count += 1;
-        }
-    }
+    let Candidates { prims, bounds, left_out } = Candidates::of(&geometry);
+    let count = prims.len() as u32;
     let frame = Frame::new(&bounds);
     let sorter = Sorter { shapes: &Of(&geometry), frame: &frame };
     let mut builder = Builder::new(sorter, count, options);
     let mut references = builder.room(count as usize)?;
-    for prim in 0..geometry.len() {
+    references.extend(prims.iter().map(|&prim| {
         let b = geometry.bounds(prim);
-        if !b.is_empty() {
-            let part = Extent { min: frame.local(b.min.as_dvec3()), max: frame.local(b.max.as_dvec3()) };
-            references.push(Reference { prim, part });
-        }
-    }
+        Reference { prim, part: Extent { min: frame.local(b.min.as_dvec3()), max: frame.local(b.max.as_dvec3()) } }
+    }));
     let nodes = builder.tree(references)?;
-    let ignored = geometry.len() - count;
     let form = PhantomData;
-    Ok(Bsp { geometry, frame, shape: nodes.shape(), nodes, planes: options.planes, bounds, ignored, form })
+    Ok(Bsp { geometry, frame, shape: nodes.shape(), nodes, planes: options.planes, bounds, left_out, form })
 }
 
 /// Splits in a row that may leave both children with the whole list before the cell becomes a leaf: primitives that lie on

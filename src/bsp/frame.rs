@@ -1,5 +1,6 @@
 //! From the world to the tree's coordinates, and the ray as the walks see it.
 
+use crate::geometry::expansion::two_sum;
 use crate::ray::{Aabb, Ray, greater, lesser};
 use glam::DVec3;
 
@@ -61,7 +62,7 @@ impl Frame {
     }
 }
 
-/// A ray in the tree's coordinates, clipped to the padded box of the scene. Parameters are the ray's own.
+/// A ray in the tree's coordinates, clipped to the padded box of the scene. Parameters are the ray's own less `shift`.
 ///
 /// Arrays are indexed by axis; the fourth entry spares a test of the index.
 #[derive(Clone, Copy, Debug)]
@@ -76,13 +77,16 @@ pub struct Line {
     pub start: f64,
     /// Where it leaves the box or ends.
     pub end: f64,
+    /// 0, or how far the origin has been moved along a ray that starts far away. A little less than that, by more than the
+    /// rounding of a difference with it: `t - shift` is never too small for a ray's `t`.
+    pub shift: f64,
 }
 
 /// How a ray meets the box.
 pub enum Start {
     /// It does not.
     Miss,
-    /// The origin is so far away, millions of boxes, that the walk cannot tell which cells the ray meets.
+    /// The origin is so far away, some 10^15 boxes, that the walk cannot tell which cells the ray meets.
     TooFar,
     /// It does.
     Inside(Line),
@@ -94,22 +98,36 @@ impl Line {
     /// Error: with u = 2^-53, n = [`SIZE`] and |o| the origin's largest coordinate, the origin is off by 3u(|o| + n), the
     /// direction by u and its inverse by 2u relative; a crossing (plane - o) * inverse is therefore off by less than
     /// 8u(|o| + n) along its axis, and so are both ends here. Each walk says what it adds; none comes to more than
-    /// 48u(|o| + n) + 2^9 u n. A ray for which 64u(|o| + n) exceeds a quarter of [`PADDING`] is not walked; 2^9 u n is
-    /// 2^-24.
+    /// 48u(|o| + n) + 2^9 u n. A ray for which 64u(|o| + n) exceeds a quarter of [`PADDING`], one that starts two million
+    /// boxes away, is taken from [`nearer`]; 2^9 u n is 2^-24.
     pub fn start(frame: &Frame, ray: &Ray) -> Start {
         const ERROR: f64 = 64.0 * (f64::EPSILON / 2.0);
-        let origin = frame.local(ray.origin.as_dvec3());
+        let mut origin = frame.local(ray.origin.as_dvec3());
         let direction = ray.direction.as_dvec3() * frame.inverse;
-        if (origin.abs().max_element() + SIZE) * ERROR > PADDING / 4.0 {
-            return Start::TooFar;
+        let too_far = |origin: DVec3| (origin.abs().max_element() + SIZE) * ERROR > PADDING / 4.0;
+        let mut moved = 0.0;
+        if too_far(origin) {
+            let axis;
+            (origin, moved, axis) = nearer(frame, ray, origin);
+            // Beside the box while it is level with it: along no other axis does it move faster.
+            let level = origin[axis].abs() <= 4.0 * SIZE;
+            if level && origin.abs().max_element() > 16.0 * SIZE {
+                return Start::Miss;
+            }
+            if too_far(origin) {
+                return Start::TooFar;
+            }
         }
+        // More than the rounding of a difference with `moved`, and far less than a cell.
+        let slack = 4.0 * f64::EPSILON * f64::abs(moved);
         let mut line = Line {
             origin: [origin.x, origin.y, origin.z, 0.0],
             direction: [direction.x, direction.y, direction.z, 0.0],
             inverse: [f64::INFINITY; 4],
             backward: [0; 4],
-            start: f64::from(ray.t_min),
-            end: f64::from(ray.t_max),
+            start: f64::from(ray.t_min) - (moved + slack),
+            end: f64::from(ray.t_max) - (moved - slack),
+            shift: moved - slack,
         };
         for axis in 0..3 {
             let (o, d, filled) = (origin[axis], direction[axis], frame.filled[axis]);
@@ -136,6 +154,27 @@ impl Line {
         // `as` saturates at 0; never falls as `t` moves on, for rounding keeps the order.
         ((self.origin[axis] + t * self.direction[axis]) as u32).clamp(low, high)
     }
+}
+
+/// The origin of a ray that starts far away, moved to where it is about level with the scene's middle along its fastest axis;
+/// by which parameter, and which axis that is.
+///
+/// The parameter has 29 bits and a direction's component 24, so that their product is exact; the sum with the origin is kept
+/// with its error until the box's corner is subtracted. So the new origin is off by no more than one that had been there
+/// from the start. The parameter is known within 2^-28 of itself: the 2^-28th part of the distance may remain.
+#[cold]
+fn nearer(frame: &Frame, ray: &Ray, origin: DVec3) -> (DVec3, f64, usize) {
+    let direction = ray.direction.as_dvec3();
+    let middle = 0.5 * frame.filled - origin;
+    let pace = direction * frame.inverse;
+    let axis = (0..3).max_by(|&a, &b| pace[a].abs().total_cmp(&pace[b].abs())).unwrap_or(0);
+    let t = f64::from_bits((middle[axis] / pace[axis]).to_bits() & !((1 << 24) - 1));
+    let mut local = DVec3::ZERO;
+    for i in 0..3 {
+        let (sum, error) = two_sum(f64::from(ray.origin[i]), t * direction[i]);
+        local[i] = ((sum - frame.lo[i]) + error) * frame.inverse;
+    }
+    (local, t, axis)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ mod interrupt;
 mod list;
 mod papers;
 mod render;
+mod stress;
 mod table;
 mod trace;
 mod validate;
@@ -53,6 +54,7 @@ enum Verb {
     Compare(compare::Args),
     Trace(trace::Args),
     Validate(validate::Args),
+    Stress(stress::Args),
     Export(export::Args),
     Diff(diff::Args),
     Papers(papers::Args),
@@ -88,6 +90,7 @@ pub fn main() -> ExitCode {
         Verb::Compare(args) => compare::run(&args, &console),
         Verb::Trace(args) => trace::run(&args, &console),
         Verb::Validate(args) => validate::run(&args, &console),
+        Verb::Stress(args) => stress::run(&args, &console),
         Verb::Export(args) => export::run(&args, &console),
         Verb::Diff(args) => diff::run(&args, &console),
         Verb::Papers(args) => papers::run(&args, &console),

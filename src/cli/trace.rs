@@ -1,4 +1,4 @@
-//! `skipgrid trace`: a file of rays in, a file of hits out.
+//! `skipgrid trace`: a file of rays in, a file of hits out; or rays on the command line, and lines of text out.
 
 use super::Outcome;
 use super::console::Console;
@@ -9,6 +9,7 @@ use crate::measure::npy;
 use crate::picture::io::replace_file;
 use crate::ray::Ray;
 use crate::scene::raw;
+use glam::Vec3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -17,11 +18,13 @@ const DETAILS: &str = "\
 Rays are a NumPy array of N x 8 little-endian f32: ox oy oz tmin dx dy dz tmax; or a .rays file. Directions need not be \
 unit: t counts in their length. A ray that is not finite, has no direction or has tmin > tmax hits nothing.
 Hits are N records [('t', '<f4'), ('prim', '<u4')]; a miss is inf and 0xffffffff. With --any: N bytes, 1 for a hit.
+For each --ray a line is printed: t as a number and as bits, the primitive, and whether the question for any hit found one.
 
 Example:
   python3 -c \"import numpy as np; np.save('rays.npy', np.array([[0,0,-5,0, 0,0,1,np.inf]], '<f4'))\"
   skipgrid trace mesh.obj --rays rays.npy --hits hits.npy
-  python3 -c \"import numpy as np; print(np.load('hits.npy'))\"";
+  python3 -c \"import numpy as np; print(np.load('hits.npy'))\"
+  skipgrid trace mesh.obj --ray \"0 0 -5  0 0 1\" --ray \"0 0 -5  0 0x80000000 1  0 inf\"";
 
 /// Trace the rays of a file through a scene; rays and hits are NumPy arrays
 #[derive(Debug, clap::Args)]
@@ -31,12 +34,23 @@ pub struct Args {
     scene: SceneArgs,
 
     /// The rays: .npy or .rays
-    #[arg(long, value_name = "FILE")]
-    rays: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "ray", requires = "hits")]
+    rays: Option<PathBuf>,
 
     /// Where the hits go: .npy
-    #[arg(long, value_name = "FILE")]
-    hits: PathBuf,
+    #[arg(long, value_name = "FILE", requires = "rays")]
+    hits: Option<PathBuf>,
+
+    /// A ray, instead of a file: decimal numbers, or the bits of f32 such as 0x3f800000; 0 and inf unless TMIN and TMAX are
+    /// given. May be repeated
+    #[arg(
+        long,
+        value_name = "OX OY OZ DX DY DZ [TMIN TMAX]",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["rays", "any"],
+        value_parser = parse_ray,
+    )]
+    ray: Vec<Ray>,
 
     /// Accelerator, with options; see `skipgrid list`
     #[arg(long, value_name = "A", default_value = DEFAULT_ACCEL)]
@@ -49,8 +63,52 @@ pub struct Args {
 
 /// Traces.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    check_folder(&args.hits)?;
-    let rays = read_rays(&args.rays)?;
+    match (&args.rays, &args.hits) {
+        (Some(rays), Some(hits)) => trace_file(args, rays, hits, console)?,
+        // The command line has one or the other.
+        _ => trace_each(args, console)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn trace_each(args: &Args, console: &Console) -> Result<()> {
+    let scene = args.scene.load(console)?;
+    let accel = scene.accel(&args.scene.spec(&args.accel))?;
+    let mut text = String::new();
+    for ray in &args.ray {
+        let (hit, any) = (accel.closest_hit(ray), accel.any_hit(ray));
+        let t = hit.map_or(f32::INFINITY, |hit| hit.t);
+        let prim = hit.map_or("none".into(), |hit| hit.prim.to_string());
+        text += &format!("t={t} bits={:#010x} prim={prim} any={any}\n", t.to_bits());
+    }
+    console.data(&text)
+}
+
+/// A ray from the words of an option's value.
+fn parse_ray(text: &str) -> std::result::Result<Ray, String> {
+    let numbers = text.split_whitespace().map(parse_number).collect::<std::result::Result<Vec<f32>, String>>()?;
+    let (&[ox, oy, oz, dx, dy, dz], range) = numbers
+        .split_first_chunk()
+        .filter(|(_, range)| matches!(range.len(), 0 | 2))
+        .ok_or_else(|| format!("{} numbers, where 6 or 8 make a ray", numbers.len()))?;
+    let ray = Ray::new(Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+    Ok(if let &[t_min, t_max] = range { ray.with_range(t_min, t_max) } else { ray })
+}
+
+/// A decimal number, the nearest f32; or the bits of one.
+fn parse_number(word: &str) -> std::result::Result<f32, String> {
+    let number = match word.strip_prefix("0x") {
+        // `from_str_radix` takes a sign, too.
+        Some(digits) if digits.starts_with('+') => None,
+        Some(digits) => u32::from_str_radix(digits, 16).ok().map(f32::from_bits),
+        None => word.parse().ok(),
+    };
+    number.ok_or_else(|| format!("`{word}` is neither a decimal number nor the bits of an f32 such as 0x3f800000"))
+}
+
+fn trace_file(args: &Args, rays: &Path, hits: &Path, console: &Console) -> Result<()> {
+    check_folder(hits)?;
+    let rays = read_rays(rays)?;
     let scene = args.scene.load(console)?;
     let accel = scene.accel(&args.scene.spec(&args.accel))?;
     let accel: &dyn Accel = &*accel;
@@ -65,11 +123,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         let hits: Vec<_> = rays.par_iter().map(|ray| accel.closest_hit(ray)).collect();
         (hits.iter().flatten().count(), npy::write_hits(&mut bytes, &hits))
     };
-    written.map_err(|error| Error::io(&args.hits, error))?;
+    written.map_err(|error| Error::io(hits, error))?;
     let seconds = start.elapsed().as_secs_f64();
-    replace_file(&args.hits, &bytes)?;
+    replace_file(hits, &bytes)?;
     console.note(format!("{} rays, {hit} hit something, {seconds:.3} s", rays.len()));
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 /// Reads .npy or .rays, by extension.

@@ -3,10 +3,12 @@
 //! With `A`, `B`, `C` the corners as seen from the origin, a ray meets a triangle if `U = d . ((C - B) x B)`,
 //! `V = d . ((A - C) x C)` and `W = d . ((B - A) x A)` are all `>= 0` or all `<= 0` and `d . n` is not 0, where
 //! `n = (B - A) x (C - A)`; it does so at `t = (A . n) / (d . n)`. All of these are polynomials of degree 3 in the
-//! inputs, and [`super::expansion`] evaluates them without error.
+//! inputs. [`super::whole`] evaluates them in integers of 128 bits where these hold them, and [`super::expansion`] without
+//! error for all others.
 
 use super::Triangle;
 use super::expansion::{Difference, Expansion, difference, triple};
+use super::whole::{Quotient, Whole};
 use crate::ray::Ray;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -19,33 +21,64 @@ fn subtract(p: Vec3, q: Vec3) -> [Difference; 3] {
     [difference(p.x, q.x), difference(p.y, q.y), difference(p.z, q.z)]
 }
 
-/// The exact parameter of a ray on the plane of a triangle, as a quotient.
+/// What the second stage knows of the edge functions `U`, `V` and `W`: -1 or 1 for a certain sign, 0 for none.
+pub(crate) type Sides = [i32; 3];
+
+/// Whether the edge functions agree, with `side` for those that are not known. `Some` if they do: the corner at which two of
+/// them are zero, edge `i` being opposite to corner `i`.
+fn meet(known: Sides, side: impl Fn(usize) -> i32) -> Option<Option<usize>> {
+    let mut signs = known;
+    for i in 0..3 {
+        if signs[i] == 0 {
+            signs[i] = side(i);
+        }
+        if signs.contains(&-1) && signs.contains(&1) {
+            return None;
+        }
+    }
+    let corner = (0..3).find(|&i| signs[(i + 1) % 3] == 0 && signs[(i + 2) % 3] == 0);
+    Some(corner)
+}
+
+/// The exact parameter of a ray on the plane of a triangle.
 #[derive(Clone, Debug)]
-pub(crate) struct Crossing {
-    numerator: Expansion,
-    /// Above zero.
-    denominator: Expansion,
+pub(crate) enum Crossing {
+    /// As whole numbers.
+    Whole(Quotient),
+    /// As expansions, the denominator above zero.
+    Expanded { numerator: Expansion, denominator: Expansion },
 }
 
 impl Crossing {
-    /// Where the ray's line meets the closed triangle, whatever the range; `None` if it does not, or the triangle is
-    /// degenerate, parallel to the ray or not finite.
-    pub fn of_triangle(ray: &Ray, corners: &Triangle) -> Option<Self> {
-        let crossing = Self::of_plane(ray, corners)?;
+    /// Where the ray's line meets the closed triangle, whatever the range, and which corner that is, if it is one. `None` if
+    /// it does not, or the triangle is degenerate, parallel to the ray or not finite. Only the sides that are not known are
+    /// computed.
+    pub fn of_triangle(ray: &Ray, corners: &Triangle, known: Sides) -> Option<(Self, Option<usize>)> {
+        if let Some(whole) = Whole::new(ray, corners) {
+            let corner = meet(known, |i| whole.side(i))?;
+            return Some((Self::Whole(whole.of_plane()?), corner));
+        }
+        let crossing = Self::expanded(ray, corners)?;
         let d = subtract(ray.direction, Vec3::ZERO);
-        let mut signs = (false, false);
-        for i in 0..3 {
+        let corner = meet(known, |i| {
             // (C - B) x B is B's moment about the origin along the edge from B to C.
             let (from, to) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
-            let sign = triple(&d, &subtract(to, from), &subtract(from, ray.origin)).sign();
-            signs = (signs.0 || sign < 0, signs.1 || sign > 0);
-        }
-        (signs != (true, true)).then_some(crossing)
+            triple(&d, &subtract(to, from), &subtract(from, ray.origin)).sign()
+        })?;
+        Some((crossing, corner))
     }
 
     /// Where the ray's line meets the triangle's plane; `None` if the triangle is degenerate, parallel to the ray or
     /// not finite.
     pub fn of_plane(ray: &Ray, corners: &Triangle) -> Option<Self> {
+        match Whole::new(ray, corners) {
+            Some(whole) => whole.of_plane().map(Self::Whole),
+            None => Self::expanded(ray, corners),
+        }
+    }
+
+    /// [`Crossing::of_plane`] in expansions.
+    fn expanded(ray: &Ray, corners: &Triangle) -> Option<Self> {
         let [a, b, c] = *corners;
         if !(a.is_finite() && b.is_finite() && c.is_finite()) {
             return None;
@@ -61,12 +94,15 @@ impl Crossing {
             numerator.negate();
             denominator.negate();
         }
-        Some(Self { numerator, denominator })
+        Some(Self::Expanded { numerator, denominator })
     }
 
     /// The quotient and a bound on its error.
     pub fn estimate(&self) -> (f64, f64) {
-        let t = self.numerator.estimate() / self.denominator.estimate();
+        let t = match self {
+            Self::Whole(quotient) => quotient.estimate(),
+            Self::Expanded { numerator, denominator } => numerator.estimate() / denominator.estimate(),
+        };
         (t, t.abs() * ESTIMATE_ERROR)
     }
 
@@ -75,17 +111,38 @@ impl Crossing {
         if t.is_infinite() {
             return 0f64.total_cmp(&t);
         }
-        let mut gap = self.numerator.clone();
-        gap.add_product(-1.0, &[t], self.denominator.terms());
-        gap.sign().cmp(&0)
+        match self {
+            Self::Whole(quotient) => quotient.cmp_finite(t),
+            Self::Expanded { numerator, denominator } => {
+                let mut gap = numerator.clone();
+                gap.add_product(-1.0, &[t], denominator.terms());
+                gap.sign().cmp(&0)
+            }
+        }
     }
 
     /// Compares with another crossing.
     pub fn cmp_crossing(&self, other: &Self) -> Ordering {
+        if let (Self::Whole(ours), Self::Whole(theirs)) = (self, other) {
+            return ours.cmp_quotient(theirs);
+        }
+        let ((n, d), (other_n, other_d)) = (self.fraction(), other.fraction());
         let mut gap = Expansion::zero();
-        gap.add_product(1.0, self.numerator.terms(), other.denominator.terms());
-        gap.add_product(-1.0, other.numerator.terms(), self.denominator.terms());
+        gap.add_product(1.0, n.terms(), other_d.terms());
+        gap.add_product(-1.0, other_n.terms(), d.terms());
         gap.sign().cmp(&0)
+    }
+
+    /// Numerator and denominator as expansions. Those of whole numbers are multiples of 2^-276 below 2^402: no product with
+    /// another's leaves f64's range.
+    fn fraction(&self) -> (Expansion, Expansion) {
+        match self {
+            Self::Whole(quotient) => {
+                let scale = 2f64.powi(quotient.exponent);
+                (Expansion::of_integer(quotient.numerator, scale), Expansion::of_integer(quotient.denominator, 1.0))
+            }
+            Self::Expanded { numerator, denominator } => (numerator.clone(), denominator.clone()),
+        }
     }
 
     /// True if the parameter lies in the ray's range, ends included.
@@ -93,37 +150,42 @@ impl Crossing {
         self.cmp_parameter(f64::from(ray.t_min)).is_ge() && self.cmp_parameter(f64::from(ray.t_max)).is_le()
     }
 
-    /// The nearest f32, ties to even; `inf` or `-inf` from the middle of the greatest f32 and 2^128 on; never -0.
+    /// The nearest f32; see [`nearest`].
     pub fn round(&self) -> f32 {
-        // 2^128 stands for the infinities here: it is what f32 would have next.
-        let wide = |x: f32| if x.is_infinite() { 2f64.powi(128).copysign(f64::from(x)) } else { f64::from(x) };
-        let mut nearest = self.estimate().0 as f32;
-        loop {
-            let (below, above) = (nearest.next_down(), nearest.next_up());
-            // At a middle itself the value with the even last bit wins.
-            let odd = nearest.to_bits() & 1 == 1;
-            // Middles of neighbours are multiples of 2^-150 with 25 bits: exact in f64.
-            let middle = |x: f32, y: f32| (wide(x) + wide(y)) / 2.0;
-            if nearest > f32::NEG_INFINITY && self.lies(Ordering::Less, middle(below, nearest), odd) {
-                nearest = below;
-            } else if nearest < f32::INFINITY && self.lies(Ordering::Greater, middle(nearest, above), odd) {
-                nearest = above;
-            } else {
-                return nearest + 0.0; // -0 becomes 0
-            }
-        }
+        nearest(self.estimate().0 as f32, |t| self.cmp_parameter(t))
     }
+}
 
-    /// True if the parameter is on the given side of `t`, or at `t` where that counts too.
-    fn lies(&self, side: Ordering, t: f64, or_at: bool) -> bool {
-        let order = self.cmp_parameter(t);
-        order == side || (or_at && order == Ordering::Equal)
+/// The f32 nearest to a number that is near `guess` and that `cmp` compares with others, ties to even; `inf` or `-inf` from
+/// the middle of the greatest f32 and 2^128 on; never -0.
+pub(super) fn nearest(guess: f32, cmp: impl Fn(f64) -> Ordering) -> f32 {
+    // 2^128 stands for the infinities here: it is what f32 would have next.
+    let wide = |x: f32| if x.is_infinite() { 2f64.powi(128).copysign(f64::from(x)) } else { f64::from(x) };
+    // Middles of neighbours are multiples of 2^-150 with 25 bits: exact in f64.
+    let middle = |x: f32, y: f32| (wide(x) + wide(y)) / 2.0;
+    let mut nearest = guess;
+    loop {
+        let (below, above) = (nearest.next_down(), nearest.next_up());
+        // At a middle itself the value with the even last bit wins.
+        let odd = nearest.to_bits() & 1 == 1;
+        let lies = |side: Ordering, t: f64| {
+            let order = cmp(t);
+            order == side || (odd && order == Ordering::Equal)
+        };
+        if nearest > f32::NEG_INFINITY && lies(Ordering::Less, middle(below, nearest)) {
+            nearest = below;
+        } else if nearest < f32::INFINITY && lies(Ordering::Greater, middle(nearest, above)) {
+            nearest = above;
+        } else {
+            return nearest + 0.0; // -0 becomes 0
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::tests::Random;
 
     fn fixed(numerator: f64, denominator: f64) -> Crossing {
         let of = |x| {
@@ -131,7 +193,7 @@ mod tests {
             e.add(x);
             e
         };
-        Crossing { numerator: of(numerator), denominator: of(denominator) }
+        Crossing::Expanded { numerator: of(numerator), denominator: of(denominator) }
     }
 
     #[test]
@@ -171,9 +233,11 @@ mod tests {
     fn rounding_sees_what_the_estimate_cannot() {
         // 1 + 2^-24 is midway between 1 and its successor; 2^-200 more or less decides.
         for (tail, expected) in [(-2f64.powi(-200), 1.0), (0.0, 1.0), (2f64.powi(-200), 1.0 + f32::EPSILON)] {
-            let mut crossing = fixed(1.0 + 2f64.powi(-24), 1.0);
-            crossing.numerator.add(tail);
-            assert_eq!(crossing.round(), expected, "{tail:e}");
+            let Crossing::Expanded { mut numerator, denominator } = fixed(1.0 + 2f64.powi(-24), 1.0) else {
+                unreachable!("a fixed quotient is expanded")
+            };
+            numerator.add(tail);
+            assert_eq!(Crossing::Expanded { numerator, denominator }.round(), expected, "{tail:e}");
         }
     }
 
@@ -186,5 +250,53 @@ mod tests {
         assert_eq!(third.cmp_parameter(f64::INFINITY), Ordering::Less);
         assert_eq!(third.cmp_parameter(f64::NEG_INFINITY), Ordering::Greater);
         assert_eq!(fixed(0.0, 3.0).cmp_parameter(-0.0), Ordering::Equal);
+    }
+
+    #[test]
+    fn whole_numbers_and_expansions_agree() {
+        let mut random = Random::new(23);
+        let (mut whole, mut ties) = (0, 0);
+        let mut last: Option<(Crossing, Crossing)> = None;
+        let mut corners = [Vec3::ZERO; 3];
+        for round in 0..20_000 {
+            // Lattices of few points, whose planes meet in corners, and mantissas of many bits.
+            let bits = [2, 4, 24][round % 3];
+            let scale = 2f32.powi(random.within(60) as i32);
+            let mut v = || Vec3::from_array(random.vector(1 << bits).map(|x| x as f32)) * scale;
+            let (shared, ray) = (corners[0], Ray::new(v(), v()));
+            corners = [v(), v(), v()];
+            if ray.direction == Vec3::ZERO {
+                continue;
+            }
+            let Some(form) = Whole::new(&ray, &corners) else { continue };
+            whole += 1;
+            let (ours, theirs) = (form.of_plane().map(Crossing::Whole), Crossing::expanded(&ray, &corners));
+            assert_eq!(ours.is_some(), theirs.is_some(), "{ray:?} {corners:?}");
+            let d = subtract(ray.direction, Vec3::ZERO);
+            for i in 0..3 {
+                let (from, to) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
+                let side = triple(&d, &subtract(to, from), &subtract(from, ray.origin)).sign();
+                assert_eq!(form.side(i), side, "{ray:?} {corners:?}");
+            }
+            let (Some(ours), Some(theirs)) = (ours, theirs) else { continue };
+            assert_eq!(ours.round(), theirs.round(), "{ray:?} {corners:?}");
+            assert_eq!(ours.cmp_crossing(&theirs), Ordering::Equal, "{ray:?} {corners:?}");
+            let (t, err) = ours.estimate();
+            for t in [t, t - err, t + err, f64::from(t as f32), 0.0, 1.0] {
+                assert_eq!(ours.cmp_parameter(t), theirs.cmp_parameter(t), "{t} {ray:?} {corners:?}");
+            }
+            let fan = [shared, corners[1], corners[2]];
+            if let (Some(a), Some(b)) = (Crossing::of_plane(&ray, &fan), Crossing::expanded(&ray, &fan)) {
+                let order = theirs.cmp_crossing(&b);
+                assert_eq!(ours.cmp_crossing(&a), order, "{ray:?} {corners:?} {fan:?}");
+                assert_eq!(ours.cmp_crossing(&b), order, "{ray:?} {corners:?} {fan:?}");
+                ties += usize::from(order == Ordering::Equal);
+            }
+            if let Some((a, b)) = &last {
+                assert_eq!(ours.cmp_crossing(a), theirs.cmp_crossing(b));
+            }
+            last = Some((ours, theirs));
+        }
+        assert!(whole > 10_000 && ties > 20, "{whole} in whole numbers, {ties} ties");
     }
 }

@@ -57,6 +57,19 @@ impl Expansion {
         Self { terms: Vec::with_capacity(12) }
     }
 
+    /// `integer * scale` exactly; `scale` is a power of two, and `integer` below 2^127.
+    pub fn of_integer(integer: i128, scale: f64) -> Self {
+        let mut sum = Self::zero();
+        let mut rest = integer;
+        while rest != 0 {
+            // The nearest f64 leaves a rest of 2^-53 of the whole: three rounds at most.
+            let head = rest as f64;
+            rest -= head as i128;
+            sum.add(head * scale);
+        }
+        sum
+    }
+
     /// The terms, least first; empty for zero.
     pub fn terms(&self) -> &[f64] {
         &self.terms

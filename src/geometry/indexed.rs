@@ -87,6 +87,10 @@ impl<P: AsRef<[Vec3]> + Send + Sync, T: AsRef<[[u32; 3]]> + Send + Sync> Geometr
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         Some(self.corners(prim))
     }
+
+    fn fingerprint(&self, prim: u32) -> Option<[u32; 9]> {
+        Some(triangle::fingerprint(&self.corners(prim)))
+    }
 }
 
 #[cfg(test)]
@@ -104,10 +108,10 @@ mod tests {
             let target = Vec3::new(0.013 * i as f32 - 0.1, 0.3, 0.2);
             let ray = Ray::new(Vec3::new(0.25, 0.25, 2.0), target - Vec3::new(0.25, 0.25, 2.0));
             let (mut ours, mut theirs) = (Best::NONE, Best::NONE);
-            let prep = set.prepare(&ray);
+            let preps = [set.prepare(&ray), plain.prepare(&ray)];
             for prim in 0..2 {
-                set.test(prim, &ray, &prep, &mut ours);
-                plain.test(prim, &ray, &prep, &mut theirs);
+                set.test(prim, &ray, &preps[0], &mut ours);
+                plain.test(prim, &ray, &preps[1], &mut theirs);
             }
             assert_eq!(ours, theirs);
             if ours.is_hit() {

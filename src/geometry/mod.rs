@@ -4,17 +4,20 @@
 //! exact arithmetic: the least `t` wins, and at equal `t` the least index.
 
 pub mod bezier;
+mod decided;
 mod exact;
 pub(crate) mod expansion;
 mod face;
 mod indexed;
 mod mixed;
 pub(crate) mod polygon;
+mod root;
 mod solid;
 mod sphere;
 #[cfg(test)]
 pub(crate) mod tests;
 mod triangle;
+mod whole;
 
 pub use bezier::{BezierPatches, Seed};
 pub use face::Face;
@@ -46,7 +49,7 @@ pub trait Geometry: Send + Sync {
     /// The least box around `prim`, or [`Aabb::EMPTY`] if no ray can hit it (a coordinate that is not finite, say).
     fn bounds(&self, prim: u32) -> Aabb;
 
-    /// Computes what all tests of `ray` share. `ray` comes from [`Ray::intake`].
+    /// Computes what all tests of `ray` share, for one [`Best`]. `ray` comes from [`Ray::intake`].
     fn prepare(&self, ray: &Ray) -> Self::Prep;
 
     /// Makes `prim` the winner if `ray` meets it within its range at a smaller parameter than `best`, or at the same
@@ -67,6 +70,12 @@ pub trait Geometry: Send + Sync {
 
     /// The corners if `prim` is a triangle; grids insert triangles by clipping instead of [`Geometry::overlaps`].
     fn triangle(&self, _prim: u32) -> Option<Triangle> {
+        None
+    }
+
+    /// Bits that tell primitives apart: two with the same bits are hit by the same rays at the same parameters, so that the
+    /// later one never wins and structures leave it out. `None` where this is not known.
+    fn fingerprint(&self, _prim: u32) -> Option<[u32; 9]> {
         None
     }
 
@@ -187,6 +196,8 @@ macro_rules! forward_geometry {
                 (**self).test_from(seed, prim, ray, prep, best);
             }
             #[inline]
+            fn fingerprint(&self, prim: u32) -> Option<[u32; 9]> { (**self).fingerprint(prim) }
+            #[inline]
             fn solid(&self) -> Option<&SolidVoxels> { (**self).solid() }
             #[inline]
             fn sphere(&self, prim: u32) -> Option<Sphere> { (**self).sphere(prim) }
@@ -228,6 +239,10 @@ where
     #[inline]
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         self.as_slice().triangle(prim)
+    }
+    #[inline]
+    fn fingerprint(&self, prim: u32) -> Option<[u32; 9]> {
+        self.as_slice().fingerprint(prim)
     }
     const ITERATES: bool = <[P] as Geometry>::ITERATES;
     fn seed(&self, prim: u32, cell: &Cell) -> Option<Seed> {

@@ -4,12 +4,16 @@
 //! 2019, chapter 7. With `f = o - c` and `b = -f . d`, the discriminant is `r^2 - |f + (b / |d|^2) d|^2`, taken from
 //! the ray's point nearest to the centre, and the root that would cancel is `(|f|^2 - r^2) / q`.
 //! Departs from it: where the discriminant or `|f|^2 - r^2` is too near zero for its rounding error, it is computed
-//! exactly, so that hits, tangents and the side on which the origin lies are never wrong.
+//! exactly, so that hits, tangents and the side on which the origin lies are never wrong; and parameters carry a bound on their
+//! error, so that ranges, the order of hits and rounding are decided exactly where it leaves them open ([`super::root`]).
 
+use super::exact::nearest;
 use super::expansion::{Difference, Expansion, difference, two_product, two_sum};
+use super::root::Root;
 use super::{Best, Geometry};
 use crate::ray::{Aabb, Cell, Ray};
 use glam::{DVec3, Vec3};
+use std::cmp::Ordering;
 
 /// The surface of a ball, world units.
 ///
@@ -123,25 +127,119 @@ impl SpherePrep {
 /// Half the distance from 1 to the next f64.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// The least parameter in the ray's range at which it meets the sphere.
-///
-/// It depends on nothing but the ray and the sphere, and counts as exact from here on: whichever accelerator asks, the
-/// order of hits is the same. It is the exact parameter within one unit in the last place of f32, except that rays
-/// which start on the surface and graze it may differ by more.
-#[inline]
-pub(super) fn parameter(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
-    if prep.misses(ray.origin, sphere) { None } else { roots(sphere, ray, prep) }
+/// A parameter and a bound on its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Estimate {
+    t: f64,
+    err: f64,
 }
 
-/// The rest of [`parameter`], for rays that may hit.
+/// Where a parameter lies with respect to the ray's range.
+enum Within {
+    Yes,
+    No,
+    Open,
+}
+
+impl Estimate {
+    /// `t`, known within `err`; the rest is for the rounding of sums of the two.
+    fn new(t: f64, err: f64) -> Self {
+        Self { t, err: err + t.abs() * (2.0 * f64::EPSILON) }
+    }
+
+    fn within(&self, ray: &Ray) -> Within {
+        let (low, high) = (self.t - self.err, self.t + self.err);
+        let (t_min, t_max) = (f64::from(ray.t_min), f64::from(ray.t_max));
+        if low >= t_min && high <= t_max {
+            Within::Yes
+        } else if high < t_min || low > t_max {
+            Within::No
+        } else {
+            Within::Open
+        }
+    }
+}
+
+/// Tests sphere `prim` of `set`; see [`Geometry::test`].
+#[inline]
+pub(super) fn test<G: Geometry + ?Sized>(
+    set: &G,
+    prim: u32,
+    sphere: &Sphere,
+    ray: &Ray,
+    prep: &SpherePrep,
+    best: &mut Best,
+) {
+    if !prep.misses(ray.origin, sphere) {
+        confirm(set, prim, sphere, ray, prep, best);
+    }
+}
+
+/// The second stage, and the third where it leaves something open.
+#[inline(never)]
+fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, sphere: &Sphere, ray: &Ray, prep: &SpherePrep, best: &mut Best) {
+    if best.prim() == Some(prim) {
+        return;
+    }
+    let Some((near, far)) = roots(sphere, ray, prep) else { return };
+    let (first, root) = match (near.within(ray), far.within(ray)) {
+        (Within::Yes, _) => (near, None),
+        (Within::No, Within::Yes) => (far, None),
+        (Within::No, Within::No) => return,
+        _ => {
+            let Some(root) = Root::first(sphere, ray) else { return };
+            (if root.is_lesser() { near } else { far }, Some(root))
+        }
+    };
+    let Estimate { t, err } = first;
+    if t - err > best.upper() {
+        return;
+    }
+    if t + err < best.t() - best.err() || comes_first(set, prim, sphere, ray, root, best) {
+        best.replace(t, err, prim);
+    }
+}
+
+/// True if the sphere, which the ray meets in its range, is met before the winner.
+#[cold]
+fn comes_first<G: Geometry + ?Sized>(
+    set: &G,
+    prim: u32,
+    sphere: &Sphere,
+    ray: &Ray,
+    root: Option<Root>,
+    best: &Best,
+) -> bool {
+    let Some(winner) = best.prim() else { return true };
+    let Some(root) = root.or_else(|| Root::first(sphere, ray)) else { return false };
+    let order = match (set.triangle(winner), set.sphere(winner)) {
+        (Some(corners), _) => root.cmp_plane(ray, &corners),
+        (None, Some(other)) => root.cmp_root(&self::winner(&other, ray)),
+        // Something else: its parameter counts as exact.
+        (None, None) => root.cmp_parameter(best.t()),
+    };
+    order.then(prim.cmp(&winner)) == Ordering::Less
+}
+
+/// The exact parameter of a winner: it is met in the ray's range.
+pub(super) fn winner(sphere: &Sphere, ray: &Ray) -> Root {
+    match Root::first(sphere, ray) {
+        Some(root) => root,
+        None => unreachable!("the winner is met in the ray's range"),
+    }
+}
+
+/// Both parameters at which the line meets the sphere, the lesser first; `None` if it does not.
 ///
 /// Error of the discriminant with `u = 2^-53`: `b` carries four roundings (difference, product, two sums), so it is
 /// known within `4 u |f| |d|`; the squared length and its inverse carry four more, product and product with `d` two,
 /// which makes `10 u |f|`; the sum with `f`, known within `u |f|`, adds `u |f|`. So `nearest` is known within
 /// `12 u |f|`, its squared length within `24 u |f| |nearest| + 144 u^2 |f|^2 + 3 u |nearest|^2`, and the difference from
-/// `r^2`, which is exact, adds `u |discriminant|`.
-#[inline(never)]
-fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
+/// `r^2`, which is exact, adds `u |discriminant|`. With that error `e` of `r^2 - |nearest|^2`, the square root of `S`, the
+/// difference times `|d|^2`, is known within `(e |d|^2 + 4 u S) / sqrt S`, which is twice the derivative's worth: enough, as
+/// `e` is at most a 64th. Sums and quotients add up from there.
+#[inline]
+fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<(Estimate, Estimate)> {
     if !sphere.is_usable() {
         return None;
     }
@@ -151,27 +249,46 @@ fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<f64> {
     let nearest = f + (b * prep.inverse) * prep.direction;
     let (ff, ll, rr) = (f.length_squared(), nearest.length_squared(), r * r);
     let error = U * (26.0 * (ff * ll).sqrt() + 5.0 * (ll + rr)) + 160.0 * U * U * ff;
+    let b_error = 5.0 * U * (ff * prep.squared).sqrt();
     let mut scaled = prep.squared * (rr - ll);
+    let mut scaled_error = prep.squared * error + 4.0 * U * scaled.abs();
     // 64 times the error, so that what remains of it is far below f32 in the square root too.
     if (rr - ll).abs() <= 64.0 * error {
         scaled = sphere.discriminant(ray).estimate();
+        scaled_error = scaled.abs() * (1.0 / (1u64 << 49) as f64);
     }
-    let in_range = |t: f64| t >= f64::from(ray.t_min) && t <= f64::from(ray.t_max);
     if scaled < 0.0 {
         return None;
     } else if scaled == 0.0 {
-        let t = b / prep.squared;
-        return in_range(t).then_some(t);
+        let t = Estimate::new(b / prep.squared, b_error / prep.squared);
+        return Some((t, t));
     }
-    let q = b + scaled.sqrt().copysign(b);
-    let mut power = ff - rr;
+    let root = scaled.sqrt();
+    let q = b + root.copysign(b);
+    let q_error = (b_error + scaled_error / root) / q.abs() + 8.0 * U;
+    let (mut power, mut power_error) = (ff - rr, 1.0 / (1u64 << 30) as f64);
     // Its error is below 6 u |f|^2: 2^-30 of it at this threshold.
     if power.abs() < ff * (1.0 / (1 << 20) as f64) {
         power = sphere.power(ray);
+        power_error = 1.0 / (1u64 << 40) as f64;
+    } else {
+        power_error = power_error.min(8.0 * U * ff / power.abs());
     }
     let (s, t) = (power / q, q / prep.squared);
-    let (near, far) = if s < t { (s, t) } else { (t, s) };
-    if in_range(near) { Some(near) } else { in_range(far).then_some(far) }
+    let s = Estimate::new(s, s.abs() * (q_error + power_error) * 1.0001);
+    let t = Estimate::new(t, t.abs() * q_error * 1.0001);
+    // With the square root added, `q` belongs to the greater root; with it subtracted, to the lesser one.
+    Some(if b.is_sign_negative() { (t, s) } else { (s, t) })
+}
+
+/// The winner's exact parameter rounded to f32; see [`Geometry::round`]. The winner is `sphere`.
+pub(super) fn round(sphere: &Sphere, ray: &Ray, best: &Best) -> f32 {
+    let (low, high) = ((best.t() - best.err()) as f32, (best.t() + best.err()) as f32);
+    if low == high {
+        return low + 0.0; // -0 becomes 0
+    }
+    let root = winner(sphere, ray);
+    nearest(best.t() as f32, |t| root.cmp_parameter(t))
 }
 
 impl Geometry for [Sphere] {
@@ -205,18 +322,27 @@ impl Geometry for [Sphere] {
 
     #[inline]
     fn test(&self, prim: u32, ray: &Ray, prep: &SpherePrep, best: &mut Best) {
-        if let Some(t) = parameter(&self[prim as usize], ray, prep) {
-            best.offer(ray, t, prim);
-        }
+        test(self, prim, &self[prim as usize], ray, prep, best);
     }
 
-    fn round(&self, _ray: &Ray, best: &Best) -> f32 {
-        best.t() as f32 + 0.0 // -0 becomes 0
+    fn round(&self, ray: &Ray, best: &Best) -> f32 {
+        match best.prim() {
+            Some(prim) => round(&self[prim as usize], ray, best),
+            None => best.t() as f32,
+        }
     }
 
     #[inline]
     fn sphere(&self, prim: u32) -> Option<Sphere> {
         Some(self[prim as usize])
+    }
+
+    /// Ends in bits that no triangle has which can be hit: those of a NaN.
+    fn fingerprint(&self, prim: u32) -> Option<[u32; 9]> {
+        let Sphere { centre, radius } = self[prim as usize];
+        let [x, y, z] = (centre + Vec3::ZERO).to_array().map(f32::to_bits);
+        let none = u32::MAX;
+        Some([x, y, z, (radius + 0.0).to_bits(), none, none, none, none, none])
     }
 
     /// False if the box lies outside the ball or strictly inside it: only the surface counts.
@@ -233,5 +359,83 @@ impl Geometry for [Sphere] {
         let least = below.max(above).max(DVec3::ZERO).length_squared();
         let greatest = below.abs().max(above.abs()).length_squared();
         !(least * (1.0 - SLACK) > rr || greatest * (1.0 + SLACK) < rr)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::tests::Random;
+
+    /// Rays and spheres that leave much open: tangents, origins on the surface, spheres through a common point, tiny and huge.
+    fn stiff(random: &mut Random) -> (Ray, [Sphere; 2]) {
+        let lattice = |random: &mut Random, n| Vec3::from_array(random.vector(n).map(|x| x as f32));
+        let scale = 2f32.powi(random.within(8) as i32 * 12);
+        let origin = [Vec3::ZERO, lattice(random, 3), random.in_cube() * 4.0][random.next() as usize % 3];
+        let direction = match random.next() % 3 {
+            0 => lattice(random, 2),
+            1 => Vec3::new(3.0, 4.0, 0.0) * random.unit(),
+            _ => random.in_cube(),
+        };
+        let target = origin + direction * [1.0, 2.0, 0.0, 7.0][random.next() as usize % 4];
+        let mut ball = || {
+            // A whole distance half of the time.
+            let whole = [
+                Vec3::new(3.0, 0.0, -4.0),
+                Vec3::new(2.0, 1.0, 2.0),
+                Vec3::new(0.0, -5.0, 0.0),
+                Vec3::new(-2.0, 6.0, 3.0),
+            ];
+            let offset =
+                if random.next().is_multiple_of(2) { whole[random.next() as usize % 4] } else { lattice(random, 3) };
+            let centre = target + offset;
+            let radius = match random.next() % 4 {
+                0 => (target - centre).length(), // through the target
+                1 => (centre - origin).cross(direction).length() / direction.length(), // tangent, nearly
+                2 => random.within(4).unsigned_abs() as f32,
+                _ => random.unit() * 3.0,
+            };
+            Sphere { centre: centre * scale, radius: radius * scale }
+        };
+        let balls = [ball(), ball()];
+        let range = [(0.0, f32::INFINITY), (f32::NEG_INFINITY, f32::INFINITY), (1.0, 2.0)][random.next() as usize % 3];
+        (Ray::new(origin * scale, direction * scale).with_range(range.0, range.1), balls)
+    }
+
+    #[test]
+    fn the_filter_decides_as_the_last_stage_does() {
+        let mut random = Random::new(31);
+        let (mut hits, mut ties, mut open) = (0, 0, 0);
+        for _ in 0..40_000 {
+            let (ray, set) = stiff(&mut random);
+            let Some(ray) = ray.intake() else { continue };
+            let expected = match (Root::first(&set[0], &ray), Root::first(&set[1], &ray)) {
+                (Some(a), Some(b)) => {
+                    let order = a.cmp_root(&b);
+                    ties += usize::from(order.is_eq());
+                    Some(if order.is_gt() { (1, b) } else { (0, a) })
+                }
+                (a, b) => a.map(|a| (0, a)).or(b.map(|b| (1, b))),
+            };
+            for order in [[0, 1], [1, 0]] {
+                let (prep, mut best) = (SpherePrep::new(&ray), Best::NONE);
+                for prim in order {
+                    set[..].test(prim, &ray, &prep, &mut best);
+                }
+                assert_eq!(best.prim(), expected.as_ref().map(|e| e.0), "{ray:?} {set:?}");
+                let Some((_, root)) = &expected else { continue };
+                let (low, high) = (best.t() - best.err(), best.t() + best.err());
+                assert!(
+                    root.cmp_parameter(low).is_ge() && root.cmp_parameter(high).is_le(),
+                    "not within {low:e}..{high:e}: {ray:?} {set:?}"
+                );
+                open += usize::from(low as f32 != high as f32);
+                hits += 1;
+                // Searching from 0 for the nearest would take long: the neighbours tell.
+                let found = set[..].round(&ray, &best);
+                assert_eq!(found.to_bits(), nearest(found, |t| root.cmp_parameter(t)).to_bits(), "{ray:?} {set:?}");
+            }
+        }
+        assert!(hits > 20_000 && ties > 500 && open > 50, "{hits} hits, {ties} ties, {open} to be rounded exactly");
     }
 }

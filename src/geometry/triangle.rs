@@ -8,8 +8,9 @@
 //! A value that is not finite makes every comparison of the first two stages false, so that such a triangle reaches the
 //! third one, which refuses it.
 
-use super::exact::Crossing;
-use super::{Best, Geometry};
+use super::decided::Decided;
+use super::exact::{Crossing, Sides};
+use super::{Best, Geometry, sphere};
 use crate::ray::{Aabb, Ray};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
@@ -17,14 +18,16 @@ use std::cmp::Ordering;
 /// A closed, two-sided triangle given by its corners, world units.
 pub type Triangle = [Vec3; 3];
 
-/// What the triangle tests of one ray share: the shear that turns its direction into the axis `z`.
-#[derive(Clone, Copy, Debug)]
+/// What the triangle tests of one ray share: the shear that turns its direction into the axis `z`, and what the exact stage
+/// has decided. It serves one [`Best`].
+#[derive(Debug)]
 pub struct TrianglePrep {
     /// Axis of the direction's greatest component.
     z: usize,
     /// The direction's other components over the greatest, in -1..=1.
     shear_x: f32,
     shear_y: f32,
+    decided: Decided,
 }
 
 impl TrianglePrep {
@@ -34,7 +37,7 @@ impl TrianglePrep {
         let z = if dx >= dy && dx >= dz { 0 } else { 1 + usize::from(dz > dy) };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let d = ray.direction.as_dvec3().to_array();
-        Self { z, shear_x: (d[x] / d[z]) as f32, shear_y: (d[y] / d[z]) as f32 }
+        Self { z, shear_x: (d[x] / d[z]) as f32, shear_y: (d[y] / d[z]) as f32, decided: Decided::default() }
     }
 
     /// True only if the ray's line certainly misses the closed triangle: all corners lie on one side of it along an
@@ -119,7 +122,7 @@ pub(super) fn test<G: Geometry + ?Sized>(
     best: &mut Best,
 ) {
     if !prep.misses(ray.origin, corners) {
-        confirm(set, prim, corners, ray, best);
+        confirm(set, prim, corners, ray, prep, best);
     }
 }
 
@@ -130,9 +133,16 @@ pub(super) fn test<G: Geometry + ?Sized>(
 /// `8 u * 6 * (greatest components of the three factors)`; [`BOUND`] adds a sixth for higher orders and the bound's own rounding. Values
 /// are multiples of 2^-447 below 2^390 for every finite input: nothing over- or underflows.
 #[inline(never)]
-fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &Ray, best: &mut Best) {
+fn confirm<G: Geometry + ?Sized>(
+    set: &G,
+    prim: u32,
+    corners: &Triangle,
+    ray: &Ray,
+    prep: &TrianglePrep,
+    best: &mut Best,
+) {
     const BOUND: f64 = 56.0 * (f64::EPSILON / 2.0);
-    if best.prim() == Some(prim) {
+    if best.prim() == Some(prim) || prep.decided.is_beaten(prim, corners, best.prim()) {
         return;
     }
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
@@ -151,6 +161,9 @@ fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &R
         return;
     }
     let inside = above == (true, true, true) || below == (true, true, true);
+    let sides = || {
+        [(above.0, below.0), (above.1, below.1), (above.2, below.2)].map(|(up, down)| i32::from(up) - i32::from(down))
+    };
 
     // n = (B - A) x (C - A) = (A - C) x (B - A); t = (A . n) / (d . n).
     let n = ac.cross(ba);
@@ -158,7 +171,7 @@ fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &R
     let d_error = d_bound * ac_size * ba_size;
     if !(inside && denominator.abs() > 2.0 * d_error) {
         if !is_plainly_parallel(d, ac, ba) {
-            decide(set, prim, corners, ray, inside, best);
+            decide(set, prim, corners, ray, prep, sides(), best);
         }
         return;
     }
@@ -170,7 +183,7 @@ fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &R
     match place(t, err, ray, best) {
         Place::Nearest => best.replace(t, err, prim),
         Place::Useless => {}
-        Place::Open => decide(set, prim, corners, ray, inside, best),
+        Place::Open => decide(set, prim, corners, ray, prep, sides(), best),
     }
 }
 
@@ -212,10 +225,19 @@ fn place(t: f64, err: f64, ray: &Ray, best: &Best) -> Place {
     }
 }
 
-/// The third stage; `inside` if the edge functions are known to agree.
+/// The third stage; `sides` are the edge functions whose signs are certain.
 #[cold]
 #[inline(never)]
-fn decide<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &Ray, inside: bool, best: &mut Best) {
+fn decide<G: Geometry + ?Sized>(
+    set: &G,
+    prim: u32,
+    corners: &Triangle,
+    ray: &Ray,
+    prep: &TrianglePrep,
+    sides: Sides,
+    best: &mut Best,
+) {
+    prep.decided.note(prim);
     let winner = best.prim().map(|prim| (prim, set.triangle(prim)));
     if let Some((winner, Some(other))) = winner
         && corners.iter().all(|p| other.contains(p))
@@ -227,8 +249,7 @@ fn decide<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &Ra
         }
         return;
     }
-    let crossing = if inside { Crossing::of_plane(ray, corners) } else { Crossing::of_triangle(ray, corners) };
-    let Some(crossing) = crossing else { return };
+    let Some((crossing, corner)) = Crossing::of_triangle(ray, corners, sides) else { return };
     let (t, err) = crossing.estimate();
     match place(t, err, ray, best) {
         Place::Useless => return,
@@ -238,9 +259,13 @@ fn decide<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &Ra
                 return;
             }
             if let Some((winner, other)) = winner {
-                let order = match other.and_then(|other| Crossing::of_plane(ray, &other)) {
-                    Some(other) => crossing.cmp_crossing(&other),
-                    None => crossing.cmp_parameter(best.t()), // no triangle: its parameter counts as exact
+                let order = match (other, set.sphere(winner)) {
+                    (Some(other), _) => match Crossing::of_plane(ray, &other) {
+                        Some(other) => crossing.cmp_crossing(&other),
+                        None => unreachable!("a winner is neither degenerate nor parallel to the ray"),
+                    },
+                    (None, Some(sphere)) => sphere::winner(&sphere, ray).cmp_plane(ray, corners).reverse(),
+                    (None, None) => crossing.cmp_parameter(best.t()), // something else: its parameter counts as exact
                 };
                 if order.then(prim.cmp(&winner)) != Ordering::Less {
                     return;
@@ -249,6 +274,7 @@ fn decide<G: Geometry + ?Sized>(set: &G, prim: u32, corners: &Triangle, ray: &Ra
         }
     }
     best.replace(t, err, prim);
+    prep.decided.note_winner(prim, corner.map(|i| corners[i]));
 }
 
 /// The winner's exact parameter rounded to f32; see [`Geometry::round`]. The winner is the triangle `corners`.
@@ -261,6 +287,14 @@ pub(super) fn round(corners: &Triangle, ray: &Ray, best: &Best) -> f32 {
         Some(crossing) => crossing.round(),
         None => unreachable!("a triangle that was hit is neither degenerate nor parallel to the ray"),
     }
+}
+
+/// The corners' bits, the least corner first, so that the order in which they are listed does not matter; zeros have one sign.
+pub(super) fn fingerprint(corners: &Triangle) -> [u32; 9] {
+    let mut bits = corners.map(|p| (p + Vec3::ZERO).to_array().map(f32::to_bits));
+    bits.sort_unstable();
+    let [[a, b, c], [d, e, f], [g, h, i]] = bits;
+    [a, b, c, d, e, f, g, h, i]
 }
 
 impl Geometry for [Triangle] {
@@ -295,6 +329,10 @@ impl Geometry for [Triangle] {
     #[inline]
     fn triangle(&self, prim: u32) -> Option<Triangle> {
         Some(self[prim as usize])
+    }
+
+    fn fingerprint(&self, prim: u32) -> Option<[u32; 9]> {
+        Some(fingerprint(&self[prim as usize]))
     }
 }
 
@@ -343,7 +381,10 @@ mod tests {
             let (ray, set) = stiff(&mut random);
             let Some(ray) = ray.intake() else { continue };
             tested += 1;
-            let exact = |prim: u32| Crossing::of_triangle(&ray, &set[prim as usize]).filter(|c| c.in_range(&ray));
+            let exact = |prim: u32| {
+                let crossing = Crossing::of_triangle(&ray, &set[prim as usize], [0; 3]);
+                crossing.map(|(crossing, _)| crossing).filter(|c| c.in_range(&ray))
+            };
             let expected = match (exact(0), exact(1)) {
                 (Some(a), Some(b)) if a.cmp_crossing(&b).is_gt() => Some((1, b.round())),
                 (Some(a), _) => Some((0, a.round())),

@@ -8,9 +8,9 @@ use super::seeds::Seeds;
 use super::skip::{Method, NoSkip, SkipOptions, Slot, Table};
 use super::voxelise::voxels_of;
 use super::walk::{VoxelWalk, Walk};
+use crate::accel::Candidates;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
-use crate::ray::Aabb;
 use std::marker::PhantomData;
 
 impl<G: Geometry> Grid<G, NoSkip, Walk> {
@@ -20,19 +20,11 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
     /// An option is out of range, or voxels and references would take more than `options.memory` bytes.
     pub fn build(geometry: G, options: &GridOptions) -> Result<Self> {
         options.check()?;
-        let (mut bounds, mut count) = (Aabb::EMPTY, 0);
-        for prim in 0..geometry.len() {
-            let b = geometry.bounds(prim);
-            if !b.is_empty() {
-                bounds = bounds.union(&b);
-                count += 1;
-            }
-        }
-        let frame = Frame::new(&bounds, count, options);
-        let cells = fill(&geometry, &frame, options)?;
+        let Candidates { prims, bounds, left_out } = Candidates::of(&geometry);
+        let frame = Frame::new(&bounds, prims.len() as u32, options);
+        let cells = fill(&geometry, &prims, &frame, options)?;
         let left = options.memory.saturating_sub(cells.memory().total());
         let seeds = Seeds::new(&geometry, &frame, cells.references(), options, left)?;
-        let ignored = geometry.len() - count;
         Ok(Self {
             geometry,
             frame,
@@ -42,7 +34,7 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
             mailbox: options.mailbox && seeds.is_empty(),
             seeds,
             memory: options.memory,
-            ignored,
+            left_out,
             walk: PhantomData,
         })
     }
@@ -63,19 +55,19 @@ impl<G: Geometry, W: VoxelWalk> Grid<G, NoSkip, W> {
     /// An option is out of range, lists or distances would take more than the grid's budget of memory, or the lists are too
     /// long for the slots: 2^31 entries for [`super::skip::One`], 2^28 for [`super::skip::Packed`].
     pub fn with_table<M: Method, T: Slot>(self, options: &SkipOptions) -> Result<Grid<G, Table<M, T>>> {
-        let Self { geometry, frame, voxels: NoSkip(cells), seeds, bounds, mailbox, memory, ignored, .. } = self;
+        let Self { geometry, frame, voxels: NoSkip(cells), seeds, bounds, mailbox, memory, left_out, .. } = self;
         let voxels = Table::new(cells, frame.resolution, options, memory)?;
-        Ok(Grid { geometry, frame, voxels, seeds, bounds, mailbox, memory, ignored, walk: PhantomData })
+        Ok(Grid { geometry, frame, voxels, seeds, bounds, mailbox, memory, left_out, walk: PhantomData })
     }
 
     /// The same grid walked by `V`.
     pub fn with_walk<V: VoxelWalk>(self) -> Grid<G, NoSkip, V> {
-        let Self { geometry, frame, voxels, seeds, bounds, mailbox, memory, ignored, .. } = self;
-        Grid { geometry, frame, voxels, seeds, bounds, mailbox, memory, ignored, walk: PhantomData }
+        let Self { geometry, frame, voxels, seeds, bounds, mailbox, memory, left_out, .. } = self;
+        Grid { geometry, frame, voxels, seeds, bounds, mailbox, memory, left_out, walk: PhantomData }
     }
 }
 
-fn fill<G: Geometry>(geometry: &G, frame: &Frame, options: &GridOptions) -> Result<Cells> {
+fn fill<G: Geometry>(geometry: &G, candidates: &[u32], frame: &Frame, options: &GridOptions) -> Result<Cells> {
     let [x, y, z] = frame.resolution;
     // At most 4096^3: no overflow in u64.
     let voxels = u64::from(x) * u64::from(y) * u64::from(z);
@@ -91,7 +83,7 @@ fn fill<G: Geometry>(geometry: &G, frame: &Frame, options: &GridOptions) -> Resu
 
     // First pass: start[v + 1] counts the references of voxel v. No count can wrap: a voxel refers to a primitive once.
     let mut references = 0_u64;
-    for prim in 0..geometry.len() {
+    for &prim in candidates {
         voxels_of(geometry, prim, frame, &mut |v| {
             start[v + 1] += 1;
             references += 1;
@@ -106,7 +98,7 @@ fn fill<G: Geometry>(geometry: &G, frame: &Frame, options: &GridOptions) -> Resu
     // Second pass: start[v] runs from the begin of list v to its end, which is the begin of list v + 1.
     let mut prims = reserve(references as usize, &what(references), options)?;
     prims.resize(references as usize, 0_u32);
-    for prim in 0..geometry.len() {
+    for &prim in candidates {
         voxels_of(geometry, prim, frame, &mut |v| {
             prims[start[v] as usize] = prim;
             start[v] += 1;

@@ -7,7 +7,7 @@ use glam::DVec3;
 /// Voxels reach this far beyond their faces when primitives are inserted, in voxels.
 ///
 /// The walk may be off by [`WALK_ERROR`]; clipping a primitive to a voxel is off by far less than the other half.
-pub(super) const PADDING: f64 = 1.0 / 2048.0;
+pub(crate) const PADDING: f64 = 1.0 / 2048.0;
 
 /// The walk is at most this far from the true ray, in voxels; a ray for which f64 cannot promise it is not walked.
 pub(super) const WALK_ERROR: f64 = PADDING / 2.0;

@@ -39,15 +39,19 @@ pub use walk::Walk;
 pub use walk_branchless::Branchless;
 pub use walk_integer::IntegerWalk;
 
-use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe, scan_all, scan_any};
+// For those who judge the walks.
+pub(crate) use frame::Frame;
+#[cfg(feature = "cli")]
+pub(crate) use frame::PADDING;
+pub(crate) use walk::{Start, VoxelWalk};
+
+use crate::accel::{Accel, Hit, LeftOut, Memory, Probe, queries_with_probe, scan_all, scan_any};
 use crate::geometry::{Best, Geometry, Seed};
 use crate::ray::{Aabb, Ray, greater};
-use frame::Frame;
 use mailbox::Mailbox;
 use seeds::Seeds;
 use skip::{Look, NoSkip, Skip, Voxels};
 use std::marker::PhantomData;
-use walk::{Start, VoxelWalk};
 
 /// A uniform grid over any geometry, which it owns, borrows (`&G`) or shares (`Arc<G>`).
 ///
@@ -65,7 +69,7 @@ pub struct Grid<G, S = NoSkip, W = Walk> {
     bounds: Aabb,
     mailbox: bool,
     memory: u64,
-    ignored: u32,
+    left_out: LeftOut,
     walk: PhantomData<W>,
 }
 
@@ -77,7 +81,13 @@ impl<G, S: Voxels, W> Grid<G, S, W> {
 
     /// Primitives that no ray can hit, such as triangles with a corner that is not finite: they are in no voxel.
     pub fn ignored(&self) -> u32 {
-        self.ignored
+        self.left_out.unhittable
+    }
+
+    /// Primitives that equal an earlier one but for the order of corners: they can tie with it at best, and the least index
+    /// wins, so they are in no voxel.
+    pub fn copies(&self) -> u32 {
+        self.left_out.copies
     }
 
     /// Number of voxels without a primitive.
@@ -230,10 +240,7 @@ impl<G: Geometry, S: Skip<W> + Voxels, W: VoxelWalk> Accel for Grid<G, S, W> {
                 bytes => format!(", seeds of {bytes} bytes"),
             };
         }
-        if self.ignored > 0 {
-            line += &format!(", {} primitives that no ray can hit left out", self.ignored);
-        }
-        line
+        line + &self.left_out.to_string()
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod bsp;
 mod spec;
+mod variants;
 mod voxels;
 
 pub use spec::Spec;
@@ -9,6 +10,7 @@ pub use spec::Spec;
 pub(crate) use spec::did_you_mean;
 #[cfg(feature = "cli")]
 pub(crate) use spec::parse_bytes;
+pub use variants::{peers, variants, walks};
 
 use crate::accel::{Accel, BruteForce, PointShadows};
 #[cfg(feature = "obvhs")]
@@ -412,7 +414,8 @@ mod tests {
 
     #[test]
     fn a_grid_beyond_its_budget_is_refused_with_both_sizes() {
-        let triangles = vec![[Vec3::ZERO, Vec3::new(1.0, 1.0, 1.0), Vec3::Y]; 100];
+        let place = |i: u16| Vec3::X * f32::from(i) * 0.001;
+        let triangles: Vec<_> = (0..100).map(|i| [Vec3::ZERO, Vec3::ONE, Vec3::Y].map(|p| p + place(i))).collect();
         let Err(error) = build("grid:resolution=4096,memory=1M", &triangles) else { panic!("accepted") };
         assert!(matches!(error, crate::Error::TooLarge { allowed: 1_048_576, .. }), "{error}");
         // The voxels fit, the references do not.

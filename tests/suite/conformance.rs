@@ -5,7 +5,6 @@
 use crate::random::Random;
 use glam::Vec3;
 use skipgrid::geometry::Mixed;
-use skipgrid::registry::Needs;
 use skipgrid::scene::SceneGeometry;
 use skipgrid::{Accel, Hit, Ray, Sphere, Triangle, registry};
 use std::sync::Arc;
@@ -17,39 +16,7 @@ pub fn triangles(list: &[Triangle]) -> SceneGeometry {
 
 /// Every entry of the registry that can be built over `geometry`, and the options that change what is built.
 pub fn specs(geometry: &SceneGeometry) -> Vec<String> {
-    let voxels = matches!(geometry, SceneGeometry::Voxels(_));
-    let suited = registry::ENTRIES.iter().filter(|e| voxels || e.needs == Needs::Any).filter(|e| e.exact);
-    let mut specs: Vec<String> = suited.map(|e| e.name.to_string()).collect();
-    let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
-    specs.extend(grids.iter().map(|o| format!("grid:{o}")));
-    specs.push("grid:step=branchless".into());
-    specs.push("grid:step=integer,resolution=64".into());
-    for name in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
-        for options in ["density=30,distances=log2", "resolution=1x40x1,distances=half,threshold=3"] {
-            specs.push(format!("grid-{name}:{options}"));
-        }
-    }
-    let trees = ["listing=segment", "listing=midpoint", "walk=retraverse", "walk=climb", "leaf=1,depth=60", "depth=1"];
-    specs.extend(trees.iter().map(|o| format!("bsp:{o}")));
-    for planes in ["sah", "oblique"] {
-        specs.extend(["leaf=1", "listing=segment"].iter().map(|o| format!("bsp:planes={planes},{o}")));
-    }
-    specs.push("grid-dual:resolution=64,lane=255,threshold=1".into());
-    specs.push("grid-dsz:density=30,mailbox=on".into());
-    if voxels {
-        specs.push("voxels:step=branchless".into());
-        for skip in ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"] {
-            for options in ["threshold=1", "threshold=1,distances=log2", "distances=half"] {
-                specs.push(format!("voxels:skip={skip},{options}"));
-            }
-        }
-    }
-    for name in ["obvhs-bvh2", "obvhs-cwbvh"] {
-        if registry::ENTRIES.iter().any(|e| e.name == name) {
-            specs.extend(["fastest", "very_slow"].iter().map(|p| format!("{name}:preset={p}")));
-        }
-    }
-    specs
+    registry::variants(matches!(geometry, SceneGeometry::Voxels(_)))
 }
 
 pub fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {

@@ -9,6 +9,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("ray", &[]),
     ("random", &[]),
     ("npy", &[]),
+    // Shares nothing with what it judges.
+    ("oracle", &["ray"]),
     ("picture", &["error"]),
     ("geometry", &["error", "ray"]),
     ("accel", &["geometry", "ray"]),
@@ -26,7 +28,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "papers",
         &["accel", "bsp", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"],
     ),
-    ("cli", &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "validate"]),
+    ("stress", &["accel", "error", "geometry", "grid", "measure", "oracle", "random", "ray", "registry", "scene"]),
+    (
+        "cli",
+        &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "stress", "validate"],
+    ),
 ];
 
 /// Files above this many lines do more than one thing.

@@ -3,7 +3,9 @@
 //! The records are an archive beside the project, `shared/spec/stability-truth.tar.zst`, or a folder of its files named
 //! by `SKIPGRID_TRUTH`. Without either the test says so and passes.
 
+use skipgrid::oracle::Oracle;
 use skipgrid::scene::raw;
+use skipgrid::{Ray, Triangle};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -43,9 +45,9 @@ fn folder() -> Option<&'static Path> {
         .as_deref()
 }
 
-/// Every record of the catalogue against the accelerator that `spec` names: the hit, the primitive and the parameter.
-pub fn check(spec: &str) {
-    let Some(folder) = folder() else { return };
+/// The files of records, in order; none if they are not at hand.
+fn cases() -> Vec<PathBuf> {
+    let Some(folder) = folder() else { return Vec::new() };
     let mut cases: Vec<PathBuf> = std::fs::read_dir(folder)
         .expect("the folder of records can be read")
         .map(|entry| entry.expect("an entry of the folder can be read").path())
@@ -53,25 +55,48 @@ pub fn check(spec: &str) {
         .collect();
     cases.sort();
     assert!(!cases.is_empty(), "no record in {}", folder.display());
-    for case in cases {
-        check_case(spec, &case);
+    cases
+}
+
+/// A file of records, its rays and its triangles.
+struct Case {
+    name: String,
+    answers: Vec<raw::Answer>,
+    rays: Vec<Ray>,
+    triangles: Vec<Triangle>,
+}
+
+impl Case {
+    fn read(path: &Path) -> Self {
+        let name = path.file_stem().expect("a file has a name").to_string_lossy().into_owned();
+        let answers = raw::read_truth(path).expect("records are well-formed").answers;
+        let rays = raw::read_rays(path.with_extension("rays")).expect("rays are well-formed");
+        let triangles = raw::read_triangles(path.with_extension("tri")).expect("triangles are well-formed");
+        assert_eq!(answers.len(), rays.len(), "{name}");
+        Self { name, answers, rays, triangles }
     }
 }
 
-fn check_case(spec: &str, case: &Path) {
-    let name = case.file_stem().expect("a file has a name").to_string_lossy();
-    let truth = raw::read_truth(case).expect("records are well-formed");
-    let rays = raw::read_rays(case.with_extension("rays")).expect("rays are well-formed");
-    let triangles = raw::read_triangles(case.with_extension("tri")).expect("triangles are well-formed");
-    assert_eq!(truth.answers.len(), rays.len(), "{name}");
-    let accel = crate::conformance::triangles(&triangles).accel(spec).expect("the accelerator can be built");
+/// Every record of the catalogue against the accelerator that `spec` names: the hit, the primitive and the parameter.
+pub fn check(spec: &str) {
+    for case in cases() {
+        check_case(spec, &Case::read(&case));
+    }
+}
+
+/// A ray and what the record says of it.
+fn show(ray: &Ray, answer: &raw::Answer) -> String {
+    let bits = [ray.origin.to_array(), ray.direction.to_array()].map(|v| v.map(f32::to_bits));
+    let range = [ray.t_min, ray.t_max].map(f32::to_bits);
+    format!("{ray:?}, bits {bits:08x?} {range:08x?}, exact {answer:?}")
+}
+
+fn check_case(spec: &str, case: &Case) {
+    let Case { name, answers, rays, triangles } = case;
+    let accel = crate::conformance::triangles(triangles).accel(spec).expect("the accelerator can be built");
     let (mut hits, mut ties, mut worst) = (0, 0, 0.0f64);
-    for (i, (ray, answer)) in rays.iter().zip(&truth.answers).enumerate() {
-        let place = || {
-            let bits = [ray.origin.to_array(), ray.direction.to_array()].map(|v| v.map(f32::to_bits));
-            let range = [ray.t_min, ray.t_max].map(f32::to_bits);
-            format!("{spec}: {name}, ray {i}: {ray:?}, bits {bits:08x?} {range:08x?}, exact {answer:?}")
-        };
+    for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
+        let place = || format!("{spec}: {name}, ray {i}: {}", show(ray, answer));
         let found = accel.closest_hit(ray);
         assert_eq!(found.is_some(), answer.hit, "{}", place());
         assert_eq!(accel.any_hit(ray), answer.hit, "any hit: {}", place());
@@ -89,6 +114,29 @@ fn check_case(spec: &str, case: &Path) {
         assert!(error <= 0.5 + 1e-8, "{error} ulp at {}: {}", found.t, place());
     }
     println!("{spec:12} {name:24} {:5} rays {hits:5} hits {ties:5} ties, t within {worst:.3} ulp", rays.len());
+}
+
+#[test]
+fn the_oracle_agrees_with_every_record() {
+    let (mut records, mut ties) = (0, 0);
+    for path in cases() {
+        let Case { name, answers, rays, triangles } = Case::read(&path);
+        let oracle = Oracle::of_triangles(&triangles);
+        for (i, (ray, answer)) in rays.iter().zip(&answers).enumerate() {
+            let found = oracle.closest(ray);
+            let place = || format!("{name}, ray {i}: {found:?} for {}", show(ray, answer));
+            assert_eq!(found.as_ref().map_or(&[][..], |f| &f.prims), answer.prims, "{}", place());
+            if let Some(found) = &found {
+                // The recorded parameter is within half a unit of f64, and so is the one found.
+                let near = [answer.t.next_down(), answer.t, answer.t.next_up()].contains(&found.t);
+                assert!(near, "{}", place());
+                ties += usize::from(found.prims.len() > 1);
+            }
+        }
+        records += rays.len();
+    }
+    println!("{records} records, {ties} ties");
+    assert!(records == 0 || (records > 80_000 && ties > 5_000), "{records} records, {ties} ties");
 }
 
 #[test]

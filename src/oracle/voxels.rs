@@ -1,0 +1,564 @@
+//! The voxels that a ray meets, in whole numbers: no rounding anywhere.
+//!
+//! All crossings of a ray with the planes between voxels are listed as fractions over one common denominator, sorted, and
+//! walked through from the voxel that holds the first point.
+
+use super::surd::Surd;
+use crate::ray::{Aabb, Ray};
+use glam::DVec3;
+use num_bigint::BigInt;
+use std::cmp::Ordering;
+
+/// A box cut into equal voxels by planes that are exact numbers.
+///
+/// A voxel holds its lower face on each axis and not its upper one, but the last voxel of an axis holds both.
+#[derive(Clone, Debug)]
+pub struct Voxels {
+    resolution: [u32; 3],
+    axes: [Axis; 3],
+    /// Positions count in units of two to this power.
+    exponent: i32,
+}
+
+/// Plane `k` lies at `(base + k step) / over`; `step` and `over` are above zero.
+#[derive(Clone, Debug)]
+struct Axis {
+    base: BigInt,
+    step: BigInt,
+    over: BigInt,
+}
+
+impl Voxels {
+    /// Plane `k` of an axis lies at `min + k (max - min) / n`, for `k` from 0 to the axis's resolution `n`.
+    ///
+    /// The corners are finite, `min` is below `max` along each axis, and no resolution is 0.
+    pub fn of_box(bounds: &Aabb, resolution: [u32; 3]) -> Self {
+        let corners = [bounds.min, bounds.max].map(|v| v.to_array().map(f64::from));
+        let exponent = least_exponent(corners.as_flattened().iter().copied());
+        let axes = [0, 1, 2].map(|a| {
+            let [min, max] = corners.map(|corner| scaled(corner[a], exponent));
+            Axis { base: &min * resolution[a], step: max - min, over: resolution[a].into() }
+        });
+        Self { resolution, axes, exponent }
+    }
+
+    /// Plane `k` of an axis lies at `lo + k / inverse`.
+    ///
+    /// Both are finite, `inverse` is above zero along each axis, and no resolution is 0.
+    pub fn of_map(lo: DVec3, inverse: DVec3, resolution: [u32; 3]) -> Self {
+        let parts = [0, 1, 2].map(|a| (split(lo[a]), split(inverse[a])));
+        let exponent = parts.iter().map(|((m, e), (_, down))| if *m == 0 { -down } else { (*e).min(-down) }).min();
+        let exponent = exponent.unwrap_or(0);
+        let axes = parts.map(|((m, e), (over, down))| Axis {
+            base: if m == 0 { BigInt::ZERO } else { (BigInt::from(m) << (e - exponent)) * over },
+            step: BigInt::from(1) << (-down - exponent),
+            over: over.into(),
+        });
+        Self { resolution, axes, exponent }
+    }
+
+    /// Where `ray` passes; `None` if it is none or does not meet the closed box.
+    pub fn path(&self, ray: &Ray) -> Option<Path> {
+        Path::new(self, ray)
+    }
+}
+
+/// The way of a ray through voxels.
+#[derive(Clone, Debug)]
+pub struct Path {
+    resolution: [u32; 3],
+    /// In units of the position.
+    axes: [Axis; 3],
+    origin: [BigInt; 3],
+    /// In units of the direction.
+    direction: [BigInt; 3],
+    /// Of all parameters, above zero.
+    denominator: BigInt,
+    /// Parameters count in units of two to this power.
+    exponent: i32,
+    shared: [bool; 3],
+    start: BigInt,
+    end: BigInt,
+    visits: Vec<Visit>,
+}
+
+/// A voxel on the way.
+#[derive(Clone, Debug)]
+pub struct Visit {
+    /// Index along x, y and z, from 0.
+    pub voxel: [u32; 3],
+    /// The axis whose plane the ray crosses into the voxel; `None` if it starts here.
+    pub axis: Option<usize>,
+    /// Numerators over the path's denominator.
+    entry: BigInt,
+    exit: BigInt,
+}
+
+impl Visit {
+    /// True if the ray meets the voxel in a point alone.
+    pub fn is_touch(&self) -> bool {
+        self.entry == self.exit
+    }
+}
+
+/// An end of a visit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Where the ray enters.
+    Entry,
+    /// Where it leaves.
+    Exit,
+}
+
+impl Path {
+    fn new(voxels: &Voxels, ray: &Ray) -> Option<Self> {
+        let Ray { origin, direction, t_min, t_max } = *ray;
+        let finite = origin.to_array().into_iter().chain(direction.to_array()).all(f32::is_finite);
+        // The comparison is false for NaN.
+        let in_order = t_min <= t_max && t_min != f32::INFINITY && t_max != f32::NEG_INFINITY;
+        if !finite || !in_order || direction.to_array() == [0.0; 3] {
+            return None;
+        }
+        let n = voxels.resolution;
+        let range = [t_min, t_max].map(f64::from);
+        let [o, d] = [origin, direction].map(|v| v.to_array().map(f64::from));
+        let direction_exponent = least_exponent(d);
+        // Positions are so fine that the ends of the range are whole numbers, too, where they are finite.
+        let of_range = least_exponent(range.into_iter().filter(|t| t.is_finite()));
+        let position_exponent = voxels.exponent.min(least_exponent(o)).min(of_range.saturating_add(direction_exponent));
+        let exponent = position_exponent - direction_exponent;
+        let finer = voxels.exponent - position_exponent;
+        let axes = voxels.axes.clone().map(|axis| Axis { base: axis.base << finer, step: axis.step << finer, ..axis });
+        let origin = o.map(|x| scaled(x, position_exponent));
+        let direction = d.map(|x| scaled(x, direction_exponent));
+        let zero = BigInt::ZERO;
+        let moving: Vec<usize> = (0..3).filter(|&a| direction[a] != zero).collect();
+        let parts = [0, 1, 2].map(|a| abs(direction[a].clone()) * &axes[a].over);
+        let product = |without: Option<usize>| {
+            moving.iter().filter(|&&a| Some(a) != without).fold(BigInt::from(1), |p, &a| p * &parts[a])
+        };
+        let mut path = Self {
+            resolution: n,
+            denominator: product(None),
+            exponent,
+            shared: [false; 3],
+            start: BigInt::ZERO,
+            end: BigInt::ZERO,
+            visits: Vec::new(),
+            axes,
+            origin,
+            direction,
+        };
+        let others = [0, 1, 2].map(|a| product(Some(a)));
+        path.clip(range, &others)?;
+        Some(path)
+    }
+
+    /// Finds the ends, then all voxels between them.
+    fn clip(&mut self, range: [f64; 2], others: &[BigInt; 3]) -> Option<()> {
+        let zero = BigInt::ZERO;
+        let end_of = |t: f64| t.is_finite().then(|| scaled(t, self.exponent) * &self.denominator);
+        // The latest of the entries and the earliest of the exits; lower axes last among equals.
+        let mut start: Option<(BigInt, Option<usize>)> = end_of(range[0]).map(|t| (t, None));
+        let mut end = end_of(range[1]);
+        for a in (0..3).rev() {
+            let n = self.resolution[a];
+            if self.direction[a] == zero {
+                if self.beyond(a, 0).is_lt() || self.beyond(a, n).is_gt() {
+                    return None;
+                }
+                continue;
+            }
+            let (near, far) = if self.direction[a] > zero { (0, n) } else { (n, 0) };
+            let (near, far) = (self.crossing(a, near, others), self.crossing(a, far, others));
+            let later = match &start {
+                None => true,
+                Some((t, None)) => near > *t,
+                Some((t, Some(_))) => near >= *t,
+            };
+            if later {
+                start = Some((near, Some(a)));
+            }
+            if end.as_ref().is_none_or(|t| far < *t) {
+                end = Some(far);
+            }
+        }
+        // A ray moves along some axis, so both are known.
+        let ((start, entered), end) = (start?, end?);
+        if start > end {
+            return None;
+        }
+        (self.start, self.end) = (start, end);
+        self.walk(entered, others);
+        Some(())
+    }
+
+    /// Lists the voxels from the one that holds the first point.
+    fn walk(&mut self, entered: Option<usize>, others: &[BigInt; 3]) {
+        let zero = BigInt::ZERO;
+        let mut voxel = [0, 1, 2].map(|a| {
+            let (position, unit) = self.local(a, &self.start, &self.denominator);
+            let index = &position / &unit;
+            // In its lower face lies a ray that does not move along the axis; what is below has as much of it.
+            let on_plane = &index * &unit == position;
+            let Ok(index) = u32::try_from(index) else { unreachable!("the first point lies in the box") };
+            let inside = index > 0 && index < self.resolution[a];
+            self.shared[a] = inside && on_plane && self.direction[a] == zero;
+            index.min(self.resolution[a] - 1)
+        });
+        // Planes between voxels from the first voxel on, in the order of their crossings; z before y before x among equals.
+        let mut crossings: Vec<(BigInt, usize)> = Vec::new();
+        for a in (0..3).rev().filter(|&a| self.direction[a] != zero) {
+            let up = self.direction[a] > zero;
+            let step = &self.axes[a].step * &others[a];
+            let planes = if up { self.resolution[a] - 1 - voxel[a] } else { voxel[a] };
+            let mut t = self.crossing(a, if up { voxel[a] + 1 } else { voxel[a] }, others);
+            for _ in 0..planes {
+                if t > self.end {
+                    break;
+                }
+                crossings.push((t.clone(), a));
+                t += &step;
+            }
+        }
+        crossings.sort_by(|x, y| x.0.cmp(&y.0).then(y.1.cmp(&x.1)));
+        let (mut entry, mut axis) = (self.start.clone(), entered);
+        for (t, a) in crossings {
+            self.visits.push(Visit { voxel, entry, exit: t.clone(), axis });
+            if self.direction[a] > zero {
+                voxel[a] += 1;
+            } else {
+                voxel[a] -= 1;
+            }
+            (entry, axis) = (t, Some(a));
+        }
+        self.visits.push(Visit { voxel, entry, exit: self.end.clone(), axis });
+    }
+
+    /// The numerator of the crossing with plane `k` of an axis along which the ray moves.
+    fn crossing(&self, a: usize, k: u32, others: &[BigInt; 3]) -> BigInt {
+        let Axis { base, step, over } = &self.axes[a];
+        let t = (base + step * k - &self.origin[a] * over) * &others[a];
+        if self.direction[a] > BigInt::ZERO { t } else { -t }
+    }
+
+    /// Where the origin lies by plane `k`.
+    fn beyond(&self, a: usize, k: u32) -> Ordering {
+        let Axis { base, step, over } = &self.axes[a];
+        (&self.origin[a] * over).cmp(&(base + step * k))
+    }
+
+    /// The ray at `numerator / denominator`, in voxels from plane 0 of an axis: a fraction, its denominator above zero.
+    fn local(&self, a: usize, numerator: &BigInt, denominator: &BigInt) -> (BigInt, BigInt) {
+        let Axis { base, step, over } = &self.axes[a];
+        let position = &self.origin[a] * denominator + numerator * &self.direction[a];
+        (position * over - base * denominator, step * denominator)
+    }
+
+    /// A finite parameter as a fraction in the path's units.
+    fn fraction(&self, t: f64) -> (BigInt, BigInt) {
+        let (mantissa, exponent) = split(t);
+        let (m, shift) = (BigInt::from(mantissa), exponent - self.exponent);
+        if mantissa == 0 {
+            (m, 1.into())
+        } else if shift >= 0 {
+            (m << shift, 1.into())
+        } else {
+            (m, BigInt::from(1) << -shift)
+        }
+    }
+
+    /// The voxels in order, at least one.
+    ///
+    /// From the voxel that holds the first point every plane between voxels is crossed that the ray meets up to its last
+    /// point in the box, that point included. Planes met at the same parameter are crossed one after the other, z before y
+    /// before x, so a voxel may be met in a point alone. Where [`Path::shared`] says so, voxels beside these have the same
+    /// part of the ray; no other voxel has a part of it that is longer than a point.
+    pub fn visits(&self) -> &[Visit] {
+        &self.visits
+    }
+
+    /// Voxels along x, y and z.
+    pub fn resolution(&self) -> [u32; 3] {
+        self.resolution
+    }
+
+    /// The axes along which the ray does not move and lies in a plane between voxels: the lower face of all that are visited,
+    /// the upper one of those below.
+    pub fn shared(&self) -> [bool; 3] {
+        self.shared
+    }
+
+    /// The parameter of an end, the nearest f64.
+    pub fn parameter(&self, visit: &Visit, end: End) -> f64 {
+        Surd::ratio(self.numerator(visit, end).clone(), self.denominator.clone(), self.exponent).to_f64()
+    }
+
+    /// How far the finite `t` is from the parameter of an end, relative to that; 0 only if it is equal.
+    pub fn relative_error(&self, visit: &Visit, end: End, t: f64) -> f64 {
+        let exact = self.numerator(visit, end);
+        let (n, d) = self.fraction(t);
+        let difference = abs(n * &self.denominator - exact * &d);
+        match (difference == BigInt::ZERO, *exact == BigInt::ZERO) {
+            (true, _) => 0.0,
+            (false, true) => f64::INFINITY,
+            (false, false) => Surd::ratio(difference, abs(exact * d), 0).to_f64(),
+        }
+    }
+
+    fn numerator<'a>(&self, visit: &'a Visit, end: End) -> &'a BigInt {
+        match end {
+            End::Entry => &visit.entry,
+            End::Exit => &visit.exit,
+        }
+    }
+
+    /// The length of a visit along the axis on which the ray crosses most voxels, in voxels.
+    pub fn chord(&self, visit: &Visit) -> f64 {
+        self.voxels_between(&visit.entry, &visit.exit)
+    }
+
+    /// The length of the whole path, as [`Path::chord`] measures it.
+    pub fn length(&self) -> f64 {
+        self.voxels_between(&self.start, &self.end)
+    }
+
+    fn voxels_between(&self, from: &BigInt, to: &BigInt) -> f64 {
+        let along = |a: usize| {
+            let moved = (to - from) * abs(self.direction[a].clone()) * &self.axes[a].over;
+            Surd::ratio(moved, &self.axes[a].step * &self.denominator, 0).to_f64()
+        };
+        (0..3).map(along).fold(0.0, f64::max)
+    }
+
+    /// How far the ray at the finite `t` is from plane `k` of an axis, in voxels.
+    pub fn distance(&self, axis: usize, k: u32, t: f64) -> f64 {
+        let (n, d) = self.fraction(t);
+        let (position, unit) = self.local(axis, &n, &d);
+        Surd::ratio(abs(position - &unit * k), unit, 0).to_f64()
+    }
+
+    /// Whether the ray meets the closed voxel within its range.
+    pub fn touches(&self, voxel: [u32; 3]) -> bool {
+        let (mut start, mut end) =
+            ((self.start.clone(), self.denominator.clone()), (self.end.clone(), self.denominator.clone()));
+        for (a, &index) in voxel.iter().enumerate() {
+            let zero = BigInt::ZERO;
+            if self.direction[a] == zero {
+                if self.beyond(a, index).is_lt() || self.beyond(a, index + 1).is_gt() {
+                    return false;
+                }
+                continue;
+            }
+            let up = self.direction[a] > zero;
+            let plane = |k: u32| {
+                let Axis { base, step, over } = &self.axes[a];
+                let (t, over) = (base + step * k - &self.origin[a] * over, over * &self.direction[a]);
+                if up { (t, over) } else { (-t, -over) }
+            };
+            let (near, far) = (plane(index + u32::from(!up)), plane(index + u32::from(up)));
+            if &near.0 * &start.1 > &start.0 * &near.1 {
+                start = near;
+            }
+            if &far.0 * &end.1 < &end.0 * &far.1 {
+                end = far;
+            }
+        }
+        start.0 * end.1 <= end.0 * start.1
+    }
+
+    /// Whether the whole of a visit lies in a box of voxels, `low` to `high` with both ends included, that is inflated by
+    /// `padding` voxels. Indices below 0 and beyond the resolution are voxels outside of the box.
+    pub fn lies_in(&self, visit: &Visit, low: [i64; 3], high: [i64; 3], padding: f64) -> bool {
+        let (m, e) = split(padding);
+        let (padding, one) =
+            if e >= 0 { (BigInt::from(m) << e, BigInt::from(1)) } else { (BigInt::from(m), BigInt::from(1) << -e) };
+        // The box and a part of a ray are convex.
+        [&visit.entry, &visit.exit].into_iter().all(|t| {
+            (0..3).all(|a| {
+                let (position, unit) = self.local(a, t, &self.denominator);
+                let position = position * &one;
+                position >= (&one * low[a] - &padding) * &unit && position <= (&one * (high[a] + 1) + &padding) * &unit
+            })
+        })
+    }
+}
+
+/// `x = m * 2^e` with an odd `m`, or 0 and 0. `x` is finite.
+fn split(x: f64) -> (i64, i32) {
+    if x == 0.0 {
+        return (0, 0);
+    }
+    let bits = x.to_bits();
+    let (field, fraction) = ((bits >> 52 & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
+    let (mantissa, exponent) = if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
+    let zeros = mantissa.trailing_zeros();
+    let odd = mantissa >> zeros;
+    (if x < 0.0 { -odd } else { odd }, exponent + zeros as i32)
+}
+
+/// `x / 2^exponent`, a whole number.
+fn scaled(x: f64, exponent: i32) -> BigInt {
+    let (mantissa, e) = split(x);
+    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (e - exponent) }
+}
+
+/// The least exponent of finite numbers other than zero; 0 if there is none.
+fn least_exponent(values: impl IntoIterator<Item = f64>) -> i32 {
+    values.into_iter().filter(|x| *x != 0.0).map(|x| split(x).1).min().unwrap_or(0)
+}
+
+fn abs(x: BigInt) -> BigInt {
+    if x < BigInt::ZERO { -x } else { x }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// SplitMix64 (Steele, Lea & Flood 2014).
+    fn next(state: &mut u64) -> u64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Where a ray of whole numbers enters and leaves the closed cube at `low` with an edge of 4: clipping, in fractions with
+    /// the denominators of `range`, above zero.
+    fn clip(o: [i128; 3], d: [i128; 3], low: [i128; 3], range: [i128; 2]) -> Option<[(i128, i128); 2]> {
+        let (mut start, mut end) = ((range[0], 1), (range[1], 1));
+        for a in 0..3 {
+            let (near, far) = (low[a] - o[a], low[a] + 4 - o[a]);
+            if d[a] == 0 {
+                if near > 0 || far < 0 {
+                    return None;
+                }
+                continue;
+            }
+            let (near, far) = if d[a] > 0 { ((near, d[a]), (far, d[a])) } else { ((-far, -d[a]), (-near, -d[a])) };
+            if near.0 * start.1 > start.0 * near.1 {
+                start = near;
+            }
+            if far.0 * end.1 < end.0 * far.1 {
+                end = far;
+            }
+        }
+        (start.0 * end.1 <= end.0 * start.1).then_some([start, end])
+    }
+
+    #[test]
+    fn each_voxel_has_the_part_that_clipping_gives_it() {
+        let mut state = 1;
+        let (mut parts, mut touches, mut shared) = (0, 0, 0);
+        for i in 0..9000 {
+            // Voxels with an edge of 4 around the origin of coordinates, and rays on a lattice of quarters.
+            let resolution = [(); 3].map(|()| 1 + next(&mut state) % 4).map(|n| n as u32);
+            let low = [(); 3].map(|()| -8 + 4 * (next(&mut state) % 3) as i128);
+            let o = [(); 3].map(|()| (next(&mut state) % 25) as i128 - 12);
+            let mut d = [(); 3].map(|()| (next(&mut state) % 9) as i128 - 4);
+            if i % 2 == 0 {
+                d[(next(&mut state) % 3) as usize] = 0;
+            }
+            if d == [0; 3] {
+                d[1] = 1;
+            }
+            let range = if i % 3 == 0 { [-1, 2] } else { [-100, 100] };
+            let vector = |v: [i128; 3]| Vec3::from(v.map(|x| x as f32));
+            let high = [0, 1, 2].map(|a| low[a] + 4 * i128::from(resolution[a]));
+            let ray = Ray::new(vector(o), vector(d)).with_range(range[0] as f32, range[1] as f32);
+            let bounds = Aabb { min: vector(low), max: vector(high) };
+            let grid = if i % 2 == 0 {
+                Voxels::of_box(&bounds, resolution)
+            } else {
+                Voxels::of_map(bounds.min.as_dvec3(), DVec3::splat(0.25), resolution)
+            };
+            let path = grid.path(&ray);
+            let place = format!("{i}: {ray:?} in {resolution:?} from {low:?}: {path:?}");
+            let mut expected = Vec::new();
+            let mut touched = 0;
+            for x in 0..resolution[0] {
+                for y in 0..resolution[1] {
+                    for z in 0..resolution[2] {
+                        let voxel = [x, y, z];
+                        let part = clip(o, d, [0, 1, 2].map(|a| low[a] + 4 * i128::from(voxel[a])), range);
+                        assert_eq!(
+                            path.as_ref().is_some_and(|p| p.touches(voxel)),
+                            part.is_some(),
+                            "{voxel:?} {place}"
+                        );
+                        let Some([(n0, d0), (n1, d1)]) = part else { continue };
+                        touched += 1;
+                        if n0 * d1 < n1 * d0 {
+                            expected.push((voxel, n0 as f64 / d0 as f64, n1 as f64 / d1 as f64));
+                        }
+                    }
+                }
+            }
+            assert_eq!(path.is_some(), touched > 0, "{place}");
+            let Some(path) = path else { continue };
+            // What is visited, and what lies below the planes that the ray runs in.
+            let mut found = Vec::new();
+            for visit in path.visits() {
+                assert!(path.touches(visit.voxel), "{place}");
+                if visit.is_touch() {
+                    touches += 1;
+                    continue;
+                }
+                for below in 0..8u32 {
+                    let of = |a: usize| below >> a & 1;
+                    if (0..3).all(|a| of(a) == 0 || path.shared()[a]) {
+                        shared += u32::from(below > 0);
+                        let voxel = [0, 1, 2].map(|a| visit.voxel[a] - of(a));
+                        let ends = [End::Entry, End::Exit].map(|end| path.parameter(visit, end));
+                        found.push((voxel, ends[0], ends[1]));
+                        // A voxel holds its own part, and the one beside it does not unless it is inflated by one.
+                        let v = voxel.map(i64::from);
+                        assert!(path.lies_in(visit, v, v, 0.0), "{place}");
+                        let beside = [v[0] + 2, v[1], v[2]];
+                        assert!(!path.lies_in(visit, beside, beside, 0.5), "{place}");
+                        assert!(path.lies_in(visit, beside, beside, 2.0), "{place}");
+                    }
+                }
+            }
+            found.sort_by_key(|f| f.0);
+            // Small whole numbers: the hardware's quotients are correctly rounded.
+            assert_eq!(found, expected, "{place}");
+            parts += expected.len();
+        }
+        assert!(parts > 3000 && touches > 500 && shared > 300, "{parts} parts, {touches} touches, {shared} shared");
+    }
+
+    #[test]
+    fn lengths_and_distances_are_those_of_the_hand() {
+        let bounds = Aabb { min: Vec3::ZERO, max: Vec3::new(4.0, 2.0, 8.0) };
+        let grid = Voxels::of_box(&bounds, [4; 3]);
+        let ray = Ray::new(Vec3::new(-1.0, 0.5, 1.0), Vec3::new(2.0, 0.5, 0.0)).with_range(0.0, 2.0);
+        let path = grid.path(&ray).expect("it meets the box");
+        // In voxels it moves by 2, 1 and 0 along the axes for each unit of t, and is in the box from 0.5 to 2.
+        assert_eq!(path.length(), 3.0);
+        let voxels: Vec<_> = path.visits().iter().map(|v| (v.voxel, path.chord(v), v.axis)).collect();
+        // Ties at t = 1 and at the last point: y before x.
+        let expected = [
+            ([0, 1, 0], 1.0, Some(0)),
+            ([0, 2, 0], 0.0, Some(1)),
+            ([1, 2, 0], 1.0, Some(0)),
+            ([2, 2, 0], 1.0, Some(0)),
+            ([2, 3, 0], 0.0, Some(1)),
+            ([3, 3, 0], 0.0, Some(0)),
+        ];
+        assert_eq!(voxels, expected);
+        assert_eq!(path.distance(0, 1, 1.0), 0.0);
+        assert_eq!(path.distance(0, 1, 1.25), 0.5);
+        assert_eq!(path.distance(1, 2, 0.5), 0.5);
+        assert_eq!(path.relative_error(&path.visits()[0], End::Entry, 0.5), 0.0);
+        assert_eq!(path.relative_error(&path.visits()[0], End::Entry, 0.75), 0.5);
+        // Parameter 0 is where nothing is relative.
+        let from = grid.path(&Ray::new(Vec3::ONE, Vec3::X)).expect("it starts inside");
+        assert_eq!(from.relative_error(&from.visits()[0], End::Entry, 0.0), 0.0);
+        assert_eq!(from.relative_error(&from.visits()[0], End::Entry, 1e-300), f64::INFINITY);
+        assert!(grid.path(&Ray::new(Vec3::NAN, Vec3::X)).is_none());
+        assert!(grid.path(&Ray::new(Vec3::ONE, Vec3::ZERO)).is_none());
+    }
+}
