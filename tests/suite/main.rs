@@ -1,9 +1,11 @@
 //! One test program: behaviour through the public interface.
+mod bad_input;
 mod bezier;
 mod bsp;
 mod cli;
 mod conformance;
 mod export;
+mod fuzz;
 mod malformed;
 mod mesh_files;
 mod papers;
