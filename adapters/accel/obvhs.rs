@@ -68,7 +68,7 @@ impl Preset {
         ("very_slow", Preset::VerySlow),
     ];
 
-    fn params(self) -> BvhBuildParams {
+    pub(super) fn params(self) -> BvhBuildParams {
         match self {
             Preset::Fastest => BvhBuildParams::fastest_build(),
             Preset::VeryFast => BvhBuildParams::very_fast_build(),

@@ -15,7 +15,8 @@ use std::path::PathBuf;
 const DETAILS: &str = "\
 Camera rays go through a random point of each pixel; shadow rays (any hit) from what they hit towards a light; diffuse \
 rays (closest hit) from there in random directions and random order. All accelerators are asked for the closest hit and \
-for any hit of every ray: the answers must equal the first accelerator's to the bit, else the exit code is 1. Then each \
+for any hit of every ray: the answers must be equal to the bit, else the exit code is 1. Accelerators that promise no \
+exact answers (see `skipgrid list`) are held against the others, and how they differ is said without a failure. Then each \
 traces the same rays in turns, on one thread; rates are medians of the rounds, the spread is half their range. Ratios \
 are against the first accelerator; above 1 means faster, larger or slower to build.
 
@@ -163,13 +164,42 @@ fn rates(result: &Comparison, flat: bool) -> Table {
 }
 
 fn verdict(result: &Comparison) -> String {
-    let first = &result.rows[0].accel;
+    let mut out = identity(result);
+    let first = &result.rows[result.truth].accel;
+    let others = result.rows.iter().enumerate().filter(|(i, row)| !row.exact && *i != result.truth);
+    for (_, row) in others {
+        let d = &row.deviations;
+        out += &format!(
+            "{}, which promises no exact answers, against {first} on {} rays: {} missed, {} hits where nothing is, {} other \
+             primitives, {} other bits of t, {} other answers to any hit alone\n",
+            row.accel,
+            result.rays(),
+            d.missed,
+            d.extra,
+            d.primitive,
+            d.parameter,
+            d.other
+        );
+    }
+    out
+}
+
+/// Whether those that promise exact answers agree.
+fn identity(result: &Comparison) -> String {
+    let first = &result.rows[result.truth].accel;
     match &result.difference {
-        None => format!(
-            "identical hits: {} gave the same primitive and the same bits of t on all {} rays, and any hit agrees\n",
-            result.rows.iter().map(|row| row.accel.as_str()).collect::<Vec<_>>().join(", "),
-            result.rays()
-        ),
+        None => {
+            let exact: Vec<&str> = result.rows.iter().filter(|row| row.exact).map(|row| row.accel.as_str()).collect();
+            let (names, rays) = (exact.join(", "), result.rays());
+            match exact.len() {
+                0 => "none of the accelerators promises exact answers\n".to_string(),
+                1 if result.rows.len() > 1 => format!("{names} alone promises exact answers\n"),
+                _ => format!(
+                    "identical hits: {names} gave the same primitive and the same bits of t on all {rays} rays, and any hit \
+                     agrees\n"
+                ),
+            }
+        }
         Some(d) => {
             let (other, answer) = (&d.other.0, answer(&d.other.1));
             format!(
@@ -234,6 +264,14 @@ fn json(result: &Comparison, args: &Args) -> Value {
             json!({
                 "accelerator": row.accel,
                 "described": row.described,
+                "exact": row.exact,
+                "deviations": {
+                    "missed": row.deviations.missed,
+                    "extra": row.deviations.extra,
+                    "primitive": row.deviations.primitive,
+                    "parameter": row.deviations.parameter,
+                    "other": row.deviations.other,
+                },
                 "build_ms": row.build.milliseconds,
                 "bytes": {
                     "structure": memory.structure,
@@ -258,6 +296,7 @@ fn json(result: &Comparison, args: &Args) -> Value {
         "rays": kinds,
         "accelerators": rows,
         "identical": result.identical(),
+        "truth": result.rows[result.truth].accel,
         "rays_checked": result.rays(),
         "differing": result.differing,
         "difference": result.difference.as_ref().map(difference),

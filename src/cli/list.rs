@@ -4,7 +4,7 @@ use super::Outcome;
 use super::console::{Console, Format};
 use super::table::Table;
 use crate::error::Result;
-use crate::registry::ENTRIES;
+use crate::registry::{ENTRIES, Entry, LEFT_OUT};
 use crate::scene::procedural;
 use serde_json::{Value, json};
 
@@ -19,10 +19,13 @@ pub struct Args {
 
 /// Features of the package, whether this program has them, and what they bring.
 const FEATURES: &[(&str, bool, &str)] = &[
+    ("bvh", cfg!(feature = "bvh"), "the BVH of the crate bvh, a peer"),
+    ("embree", cfg!(feature = "embree"), "opens Intel's Embree at run time, a peer"),
     ("gltf", cfg!(feature = "gltf"), "reads .gltf and .glb"),
     ("obj", cfg!(feature = "obj"), "reads .obj and .mtl"),
     ("obvhs", cfg!(feature = "obvhs"), "the BVHs of the obvhs crate"),
     ("parallel", cfg!(feature = "parallel"), "renders and builds on all cores"),
+    ("parry", cfg!(feature = "parry"), "the triangle meshes of the crate parry3d, a peer"),
     ("vox", cfg!(feature = "vox"), "reads MagicaVoxel's .vox"),
     ("validate", cfg!(feature = "validate"), "compares pictures with other renderers' ones"),
 ];
@@ -41,7 +44,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 fn all() -> Table {
     let mut table = Table::new(&["<kind", "<name", "<summary", "<options", "<source"]);
     for e in ENTRIES {
-        table.row(["accelerator", e.name, e.summary, e.options, e.source].map(String::from).to_vec());
+        table.row(["accelerator", e.name, &summary(e), e.options, e.source].map(String::from).to_vec());
     }
     for e in procedural::ENTRIES {
         table.row(["scene", e.name, e.summary, e.options, e.source].map(String::from).to_vec());
@@ -56,7 +59,10 @@ fn all() -> Table {
 fn text() -> String {
     let mut out = String::from("Accelerators (--accel NAME or NAME:OPTION=VALUE,OPTION=VALUE)\n\n");
     for e in ENTRIES {
-        out += &entry(e.name, e.summary, e.options, e.source);
+        out += &entry(e.name, &summary(e), e.options, e.source);
+    }
+    for (name, feature) in LEFT_OUT {
+        out += &format!("  {name:<14} left out; `cargo build --features {feature}` brings it in\n");
     }
     out += "\nScenes made by formula (NAME or NAME:OPTION=VALUE,OPTION=VALUE in the place of a file)\n\n";
     for e in procedural::ENTRIES {
@@ -74,6 +80,14 @@ fn text() -> String {
     out
 }
 
+/// What it is, and that it cannot be had here if so.
+fn summary(entry: &Entry) -> String {
+    match entry.missing() {
+        Some(cause) => format!("{}; NOT AVAILABLE: {cause}", entry.summary),
+        None => entry.summary.to_string(),
+    }
+}
+
 /// Two or three lines.
 fn entry(name: &str, summary: &str, options: &str, source: &str) -> String {
     let options = if options.is_empty() { String::new() } else { format!("  {:<14}   options: {options}\n", "") };
@@ -83,13 +97,24 @@ fn entry(name: &str, summary: &str, options: &str, source: &str) -> String {
 fn json() -> Value {
     let accelerators: Vec<Value> = ENTRIES
         .iter()
-        .map(|e| json!({ "name": e.name, "summary": e.summary, "options": e.options, "source": e.source }))
+        .map(|e| {
+            json!({
+                "name": e.name,
+                "summary": e.summary,
+                "options": e.options,
+                "source": e.source,
+                "exact": e.exact,
+                "missing": e.missing(),
+            })
+        })
         .collect();
+    let left_out: Vec<Value> =
+        LEFT_OUT.iter().map(|(name, feature)| json!({ "name": name, "feature": feature })).collect();
     let scenes: Vec<Value> = procedural::ENTRIES
         .iter()
         .map(|e| json!({ "name": e.name, "summary": e.summary, "options": e.options, "source": e.source }))
         .collect();
     let features: Vec<Value> =
         FEATURES.iter().map(|(name, on, summary)| json!({ "name": name, "enabled": on, "summary": summary })).collect();
-    json!({ "version": env!("CARGO_PKG_VERSION"), "accelerators": accelerators, "scenes": scenes, "features": features })
+    json!({ "version": env!("CARGO_PKG_VERSION"), "accelerators": accelerators, "left_out": left_out, "scenes": scenes, "features": features })
 }

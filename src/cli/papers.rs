@@ -6,7 +6,9 @@ use super::Outcome;
 use super::console::Console;
 use super::input::check_folder;
 use crate::error::Result;
-use crate::papers::{Report, amanatides_woo, arvo, dda, newton_seeds, semwal_kvarnstrom, shadow_voxels, spd};
+use crate::papers::{
+    Report, amanatides_woo, arvo, dda, exactness, newton_seeds, semwal_kvarnstrom, shadow_voxels, spd,
+};
 use crate::picture::io::replace_file;
 use clap::builder::RangedU64ValueParser;
 use std::path::{Path, PathBuf};
@@ -35,6 +37,7 @@ enum Paper {
     AmanatidesWoo(AmanatidesWoo),
     Arvo(Arvo),
     Dda(Dda),
+    Exactness(Exactness),
     NewtonSeeds(NewtonSeeds),
     SemwalKvarnstrom(SemwalKvarnstrom),
     ShadowVoxels(ShadowVoxels),
@@ -150,6 +153,25 @@ struct Dda {
     common: Common,
 }
 
+/// Our own claim: what exact answers cost against plain tests, and errors against run time
+#[derive(Debug, clap::Args)]
+struct Exactness {
+    /// Scene of triangles, a file or one made by formula; give it once for each (six made by formula)
+    #[arg(long = "scene", value_name = "S")]
+    scenes: Vec<String>,
+
+    /// Rays of each case that errors are counted on (10000; 300 with --quick)
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<u32>::new().range(1..=1_000_000))]
+    rays: Option<u32>,
+
+    /// Leave out Embree and the other ray tracers with tests of their own
+    #[arg(long)]
+    no_peers: bool,
+
+    #[command(flatten)]
+    common: Common,
+}
+
 #[derive(Debug, clap::Args)]
 struct Common {
     /// Rows and columns of the pictures (192; 48 with --quick)
@@ -203,6 +225,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         | Paper::SemwalKvarnstrom(SemwalKvarnstrom { common, .. })
         | Paper::ShadowVoxels(ShadowVoxels { common, .. })
         | Paper::Spd(Spd { common, .. })
+        | Paper::Exactness(Exactness { common, .. })
         | Paper::Dda(Dda { common, .. }) => common,
     };
     for file in common.output.iter().chain(&common.svg) {
@@ -229,7 +252,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         None => console.data(&text)?,
     }
     if report.wrong > 0 {
-        console.warn(format!("{} answers differ from the plain grid's", report.wrong));
+        console.warn(format!("{} answers differ from the plain grid's or from exact arithmetic", report.wrong));
         return Ok(Outcome::CheckFailed);
     }
     Ok(Outcome::Done)
@@ -303,6 +326,12 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
                 if quick { &["voxel-terrain:n=32"] } else { &["voxel-terrain", "voxel-terrain:n=256"] };
             let scenes = names(&args.scenes, &[usual]);
             dda::run(&dda::Options { size, rounds, scenes }, &watch)
+        }
+        Paper::Exactness(args) => {
+            let usual: &[&str] = if quick { &["bumpy:n=16"] } else { &exactness::SCENES };
+            let scenes = names(&args.scenes, &[usual]);
+            let rays = args.rays.unwrap_or(if quick { 300 } else { 10_000 });
+            exactness::run(&exactness::Options { size, rounds, scenes, rays, peers: !args.no_peers }, &watch)
         }
     };
     bar.finish_and_clear();

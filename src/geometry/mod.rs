@@ -14,6 +14,7 @@ pub(crate) mod polygon;
 mod root;
 mod solid;
 mod sphere;
+pub(crate) mod stages;
 #[cfg(test)]
 pub(crate) mod tests;
 mod triangle;

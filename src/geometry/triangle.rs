@@ -40,6 +40,12 @@ impl TrianglePrep {
         Self { z, shear_x: (d[x] / d[z]) as f32, shear_y: (d[y] / d[z]) as f32, decided: Decided::default() }
     }
 
+    /// True if the triangle test goes on to its second stage; for measurements.
+    #[cfg(feature = "cli")]
+    pub(crate) fn passes(&self, ray: &Ray, corners: &Triangle) -> bool {
+        !self.misses(ray.origin, corners)
+    }
+
     /// True only if the ray's line certainly misses the closed triangle: all corners lie on one side of it along an
     /// axis, or two of the edge functions `U`, `V`, `W` have opposite signs.
     ///
@@ -237,6 +243,7 @@ fn decide<G: Geometry + ?Sized>(
     sides: Sides,
     best: &mut Best,
 ) {
+    super::stages::note_decision();
     prep.decided.note(prim);
     let winner = best.prim().map(|prim| (prim, set.triangle(prim)));
     if let Some((winner, Some(other))) = winner

@@ -6,6 +6,7 @@ use super::rounds::{build, in_turns, same};
 use crate::accel::{Accel, Counts, Hit, Memory};
 use crate::error::{Error, Result};
 use crate::ray::Ray;
+use crate::registry::promises_exact;
 use crate::scene::Scene;
 use std::hint::black_box;
 
@@ -41,10 +42,12 @@ pub struct Comparison {
     pub kinds: Vec<Kind>,
     /// One row for each accelerator, in the order given.
     pub rows: Vec<Row>,
-    /// Rays on which an accelerator's answer differed from the first one's; one ray counts once for each accelerator.
+    /// Rays on which the answer of an accelerator that promises exact ones differed; one ray counts once for each of them.
     pub differing: u64,
     /// The first of them.
     pub difference: Option<Difference>,
+    /// Row whose answers the others are held against: the first that promises exact ones, else the first.
+    pub truth: usize,
 }
 
 /// One ray set.
@@ -71,6 +74,42 @@ pub struct Row {
     pub build: Build,
     /// One for each ray set; `None` if the set is empty.
     pub rates: Vec<Option<Rate>>,
+    /// Whether it promises exact answers; see [`promises_exact`].
+    pub exact: bool,
+    /// How its answers differ, over all sets.
+    pub deviations: Deviations,
+}
+
+/// Rays on which an accelerator's answer differs, each counted once: by the first of these that applies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Deviations {
+    /// It finds nothing where there is something.
+    pub missed: u64,
+    /// It finds something where there is nothing.
+    pub extra: u64,
+    /// Another primitive.
+    pub primitive: u64,
+    /// The right primitive, but other bits of `t`.
+    pub parameter: u64,
+    /// The closest hit is right, but any hit or an answer with counting is not.
+    pub other: u64,
+}
+
+impl Deviations {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.missed + self.extra + self.primitive + self.parameter + self.other
+    }
+
+    fn count(&mut self, truth: Option<Hit>, hit: Option<Hit>) {
+        *match (truth, hit) {
+            (Some(_), None) => &mut self.missed,
+            (None, Some(_)) => &mut self.extra,
+            (Some(a), Some(b)) if a.prim != b.prim => &mut self.primitive,
+            _ if !same(truth, hit) => &mut self.parameter,
+            _ => &mut self.other,
+        } += 1;
+    }
 }
 
 /// Cost of building.
@@ -104,7 +143,7 @@ pub struct Difference {
     pub ray: Ray,
     /// Question: "closest hit", "any hit" or one of them with counting.
     pub query: &'static str,
-    /// The first accelerator and its answer.
+    /// The accelerator that the others are held against, and its answer.
     pub first: (String, Option<Hit>),
     /// The other one and its answer: for any-hit questions `Err` holds the flag.
     pub other: (String, std::result::Result<Option<Hit>, bool>),
@@ -143,12 +182,20 @@ pub fn compare_with<S: AsRef<str>>(
         let (accel, milliseconds) = build(scene, spec)?;
         let memory = accel.memory();
         let build = Build { milliseconds, memory };
-        rows.push(Row { accel: spec.to_string(), described: String::new(), build, rates: Vec::new() });
+        rows.push(Row {
+            accel: spec.to_string(),
+            described: String::new(),
+            build,
+            rates: Vec::new(),
+            exact: promises_exact(spec),
+            deviations: Deviations::default(),
+        });
         accels.push(accel);
     }
+    let truth = rows.iter().position(|row| row.exact).unwrap_or(0);
     let sets = match &rounds.given {
         Some(rays) => vec![RaySet { kind: RayKind::Given, query: Query::Closest, rays: rays.clone() }],
-        None => ray_sets(scene, &accels[0], &rounds.rays)?,
+        None => ray_sets(scene, &accels[truth], &rounds.rays)?,
     };
 
     let mut check = Check::default();
@@ -156,14 +203,16 @@ pub fn compare_with<S: AsRef<str>>(
     for set in &sets {
         let name = set.kind.name();
         progress(&format!("checking {name} rays"));
-        let truth: Vec<Option<Hit>> = set.rays.iter().map(|ray| accels[0].closest_hit(ray)).collect();
-        let hits = truth.iter().flatten().count() as u64;
-        kinds.push(Kind { kind: set.kind, query: set.query, rays: set.rays.len() as u64, hits });
-        let counts: Vec<Counts> = accels
-            .iter()
-            .zip(&rows)
-            .map(|(accel, row)| check.answers(set, &truth, &rows[0].accel, accel, &row.accel))
-            .collect();
+        let hits: Vec<Option<Hit>> = set.rays.iter().map(|ray| accels[truth].closest_hit(ray)).collect();
+        let first = rows[truth].accel.clone();
+        kinds.push(Kind {
+            kind: set.kind,
+            query: set.query,
+            rays: set.rays.len() as u64,
+            hits: hits.iter().flatten().count() as u64,
+        });
+        let checked = accels.iter().zip(&mut rows);
+        let counts: Vec<Counts> = checked.map(|(accel, row)| check.answers(set, &hits, &first, accel, row)).collect();
         progress(&format!("timing {name} rays"));
         let rates = time(set, &accels, rounds.rounds);
         for ((row, rate), counts) in rows.iter_mut().zip(rates).zip(counts) {
@@ -180,11 +229,12 @@ pub fn compare_with<S: AsRef<str>>(
         rows,
         differing: check.differing,
         difference: check.first,
+        truth,
     })
 }
 
 impl Comparison {
-    /// True if every accelerator gave the first one's answer, to the bit, on every ray.
+    /// True if every accelerator that promises exact answers gave the same, to the bit, on every ray.
     pub fn identical(&self) -> bool {
         self.differing == 0
     }
@@ -195,7 +245,7 @@ impl Comparison {
     }
 }
 
-/// Answers that differ from the first accelerator's.
+/// Answers that differ though they promise to be exact.
 #[derive(Default)]
 struct Check {
     differing: u64,
@@ -203,8 +253,16 @@ struct Check {
 }
 
 impl Check {
-    /// Asks every question about every ray of `set`; returns the work of the set's own question.
-    fn answers(&mut self, set: &RaySet, truth: &[Option<Hit>], first: &str, accel: &dyn Accel, name: &str) -> Counts {
+    /// Asks every question about every ray of `set`, whose answers by `first` are `truth`, and counts deviations in `row`;
+    /// returns the work of the set's own question.
+    fn answers(
+        &mut self,
+        set: &RaySet,
+        truth: &[Option<Hit>],
+        first: &str,
+        accel: &dyn Accel,
+        row: &mut Row,
+    ) -> Counts {
         let mut counts = Counts::default();
         for (index, (ray, &truth)) in set.rays.iter().zip(truth).enumerate() {
             let mut wrong = None;
@@ -231,6 +289,10 @@ impl Check {
                 }
             }
             let Some((query, answer)) = wrong else { continue };
+            row.deviations.count(truth, hit);
+            if !row.exact {
+                continue;
+            }
             self.differing += 1;
             self.first.get_or_insert_with(|| Difference {
                 kind: set.kind,
@@ -238,7 +300,7 @@ impl Check {
                 ray: *ray,
                 query,
                 first: (first.to_string(), truth),
-                other: (name.to_string(), answer),
+                other: (row.accel.clone(), answer),
             });
         }
         counts
@@ -311,17 +373,32 @@ mod tests {
         // The first ray meets the unit sphere at t = 2, the second passes it.
         let truth = [Some(Hit { t: 2.0, prim: 0 }), None];
         let mut check = Check::default();
-        let counts = check.answers(&set, &truth, "a", &accel, "b");
+        let mut right = row("b");
+        let counts = check.answers(&set, &truth, "a", &accel, &mut right);
         assert_eq!((check.differing, counts.rays, counts.tests), (0, 2, 2));
+        assert_eq!(right.deviations.total(), 0);
 
-        check.answers(&set, &truth, "a", &Blind(&accel), "blind");
-        assert_eq!(check.differing, 1);
+        let mut blind = row("blind");
+        check.answers(&set, &truth, "a", &Blind(&accel), &mut blind);
+        assert_eq!((check.differing, blind.deviations), (1, Deviations { other: 1, ..Deviations::default() }));
         let first = check.first.take().expect("a difference was counted");
         assert_eq!((first.index, first.query, first.other), (0, "any hit", ("blind".to_string(), Err(false))));
 
         let truth = [Some(Hit { t: 2.0f32.next_up(), prim: 0 }), None];
-        check.answers(&set, &truth, "a", &accel, "b");
-        assert_eq!(check.first.map(|d| (d.index, d.query)), Some((0, "closest hit")));
+        check.answers(&set, &truth, "a", &accel, &mut right);
+        assert_eq!(check.first.as_ref().map(|d| (d.index, d.query)), Some((0, "closest hit")));
+
+        // One that promises nothing differs, but that is no failure.
+        let mut peer = Row { exact: false, ..row("peer") };
+        let truth = [None, Some(Hit { t: 2.0, prim: 0 })];
+        check.answers(&set, &truth, "a", &accel, &mut peer);
+        assert_eq!((check.differing, peer.deviations.missed, peer.deviations.extra), (2, 1, 1));
+    }
+
+    fn row(accel: &str) -> Row {
+        let build = Build { milliseconds: 0.0, memory: Memory::default() };
+        let (described, deviations) = (String::new(), Deviations::default());
+        Row { accel: accel.into(), described, build, rates: Vec::new(), exact: true, deviations }
     }
 
     #[test]

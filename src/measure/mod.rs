@@ -6,6 +6,6 @@ pub mod npy;
 mod rays;
 pub(crate) mod rounds;
 
-pub use compare::{Build, Comparison, Difference, Kind, Rate, Rounds, Row, compare, compare_with};
+pub use compare::{Build, Comparison, Deviations, Difference, Kind, Rate, Rounds, Row, compare, compare_with};
 pub use machine::Machine;
 pub use rays::{Query, RayKind, RayOptions, RaySet, ray_sets};

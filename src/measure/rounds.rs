@@ -19,6 +19,17 @@ pub(crate) struct Pace {
 /// Short passes are repeated for each reading, so that a reading takes milliseconds; a first pass of each, which is not
 /// a reading, tells how often. The contender that goes first changes from round to round. `rounds` is at least 1.
 pub(crate) fn in_turns(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Pace> {
+    let pace = |mut rates: Vec<f64>| {
+        let per_second = median(&mut rates);
+        // `median` has sorted them; there is at least one.
+        let spread = rates.last().zip(rates.first()).map_or(0.0, |(max, min)| (max - min) / 2.0 / per_second);
+        Pace { per_second, spread }
+    };
+    readings(contenders, rounds, pass).into_iter().map(pace).collect()
+}
+
+/// As [`in_turns`], but gives the passes in a second of each contender in each round, in the order of the rounds.
+pub(crate) fn readings(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Vec<f64>> {
     const READING: f64 = 2e-3;
     let seconds = |contender: usize, repeats: u32| {
         let start = Instant::now();
@@ -34,13 +45,7 @@ pub(crate) fn in_turns(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> 
             readings[i].push(f64::from(repeats[i]) / seconds(i, repeats[i]));
         }
     }
-    let pace = |mut rates: Vec<f64>| {
-        let per_second = median(&mut rates);
-        // `median` has sorted them; there is at least one.
-        let spread = rates.last().zip(rates.first()).map_or(0.0, |(max, min)| (max - min) / 2.0 / per_second);
-        Pace { per_second, spread }
-    };
-    readings.into_iter().map(pace).collect()
+    readings
 }
 
 /// Builds once, and twice more if that is quick; gives the median in milliseconds.

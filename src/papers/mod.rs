@@ -6,6 +6,7 @@
 pub mod amanatides_woo;
 pub mod arvo;
 pub mod dda;
+pub mod exactness;
 pub mod newton_seeds;
 pub mod plot;
 pub mod printed_dda;

@@ -22,8 +22,16 @@ pub struct Report {
     pub tables: Vec<Table>,
     /// What there is to look at.
     pub plot: Plot,
-    /// Rays on which an accelerator that promises exact answers gave another answer than the plain grid.
+    /// Rays on which an accelerator that promises exact answers gave another answer than the plain grid, or than exact
+    /// arithmetic.
     pub wrong: u64,
+}
+
+impl Report {
+    /// Heading of the claims, without mark-up.
+    pub fn claims_heading(&self) -> &'static str {
+        if self.paper == super::exactness::NAME { "Our own claims" } else { "The paper's claims" }
+    }
 }
 
 /// A claim of the paper and what is to be said of it here.

@@ -1,10 +1,12 @@
 //! Every accelerator by name, one entry each; parses specifications such as `grid:density=4,mailbox=on`.
 
 mod bsp;
+mod peers;
 mod spec;
 mod variants;
 mod voxels;
 
+pub use peers::LEFT_OUT;
 pub use spec::Spec;
 #[cfg(feature = "scene")]
 pub(crate) use spec::did_you_mean;
@@ -15,7 +17,8 @@ pub use variants::{peers, variants, walks};
 use crate::accel::{Accel, BruteForce, PointShadows};
 #[cfg(feature = "obvhs")]
 use crate::adapters::obvhs::{self, Preset};
-use crate::error::Result;
+use crate::adapters::soup::Soup;
+use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::grid::skip::{
     Chessboard, DirectedSafeZones, DirectedSafeZones24, Distances, DualExtents, Method, Octants, Packed,
@@ -48,12 +51,23 @@ pub enum Needs {
     Any,
     /// Solid voxels: one with [`Geometry::solid`].
     SolidVoxels,
+    /// Triangles alone: every primitive with [`Geometry::triangle`].
+    Triangles,
 }
 
 impl Entry {
     /// True if it can be built over `geometry`.
     pub fn suits<G: Geometry + ?Sized>(&self, geometry: &G) -> bool {
-        self.needs == Needs::Any || geometry.solid().is_some()
+        match self.needs {
+            Needs::Any => true,
+            Needs::SolidVoxels => geometry.solid().is_some(),
+            Needs::Triangles => (0..geometry.len()).all(|prim| geometry.triangle(prim).is_some()),
+        }
+    }
+
+    /// Why it cannot be built on this machine, if so: the library that it opens at run time is not there.
+    pub fn missing(&self) -> Option<String> {
+        peers::missing(self.name)
     }
 }
 
@@ -163,7 +177,27 @@ pub const ENTRIES: &[Entry] = &[
         needs: Needs::Any,
         exact: true,
     },
+    #[cfg(feature = "obvhs")]
+    peers::OBVHS_BVH2,
+    #[cfg(feature = "obvhs")]
+    peers::OBVHS_CWBVH,
+    #[cfg(feature = "embree")]
+    peers::EMBREE,
+    #[cfg(feature = "embree")]
+    peers::EMBREE_ROBUST,
+    #[cfg(feature = "bvh")]
+    peers::BVH,
+    #[cfg(feature = "parry")]
+    peers::PARRY,
 ];
+
+/// Whether the accelerator that `spec` describes promises exact answers: no peer, and no leaps that land as printed. One that
+/// is not known counts as exact.
+pub fn promises_exact(spec: &str) -> bool {
+    let (name, options) = spec.split_once(':').unwrap_or((spec, ""));
+    let entry = ENTRIES.iter().find(|entry| entry.name == name);
+    entry.is_none_or(|entry| entry.exact) && !options.split(',').any(|option| option == "landing=paper")
+}
 
 /// Builds the accelerator that `spec` names over `geometry`, which it owns, borrows (`&G`) or shares (`Arc<G>`).
 ///
@@ -178,8 +212,8 @@ pub const ENTRIES: &[Entry] = &[
 /// ```
 ///
 /// # Errors
-/// The name or an option is unknown, a value is out of range, the accelerator [`Needs`] another geometry, or the structure
-/// would exceed its memory budget.
+/// The name or an option is unknown, a value is out of range, the accelerator [`Needs`] another geometry or a library that is
+/// [`Entry::missing`], or the structure would exceed its memory budget.
 pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Accel + 'a>> {
     let mut spec = Spec::parse(spec)?;
     Ok(match spec.name() {
@@ -221,6 +255,13 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
             let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
             spec.finish()?;
             Box::new(obvhs::cwbvh(geometry, preset))
+        }
+        name if peers::has(name) => {
+            let soup = Soup::of(&geometry).map_err(|error| match error {
+                Error::Invalid { cause } => spec.error(cause),
+                other => other,
+            })?;
+            peers::build(spec, soup)?
         }
         _ => return Err(spec.unknown_name(ENTRIES)),
     })
@@ -342,6 +383,11 @@ mod tests {
     fn every_entry_builds_over_nothing_and_over_something() {
         for entry in ENTRIES {
             for triangles in [vec![], vec![[Vec3::ZERO, Vec3::X, Vec3::Y]]] {
+                if let Some(cause) = entry.missing() {
+                    let Err(error) = build(entry.name, &triangles) else { panic!("{} was built", entry.name) };
+                    assert!(error.to_string().contains(&cause), "{error}");
+                    continue;
+                }
                 if !entry.suits(&triangles) {
                     let Err(error) = build(entry.name, &triangles) else { panic!("{} was accepted", entry.name) };
                     assert!(error.to_string().contains("needs a scene of solid voxels"), "{error}");
@@ -369,6 +415,8 @@ mod tests {
             ("grid:density=1,density=2", "twice"),
             ("brute:density=1", "unknown option"),
             ("obvhs-cwbvh:preset=best", "very_slow"),
+            ("obvhs-native-cwbvh:preset=best", "very_slow"),
+            ("embree:quality=best", "low|medium|high"),
             ("grid:seeds=none", "voxel|fixed"),
             ("grid:step=fast", "branching|branchless|integer"),
             ("grid-dsz:step=branchless", "unknown option `step`"),

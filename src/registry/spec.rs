@@ -83,8 +83,11 @@ impl Spec {
         Error::Spec { spec: self.text.clone(), cause: cause.into() }
     }
 
-    /// The error for a name that is in no entry, with the nearest one.
+    /// The error for a name that is in no entry: how to get it, or the nearest one.
     pub(super) fn unknown_name(&self, entries: &[Entry]) -> Error {
+        if let Some((_, feature)) = super::LEFT_OUT.iter().find(|(name, _)| *name == self.name) {
+            return self.error(format!("left out of this program; `cargo build --features {feature}` brings it in"));
+        }
         let names: Vec<&str> = entries.iter().map(|e| e.name).collect();
         let hint = did_you_mean(&names, &self.name, 3);
         self.error(format!("unknown accelerator{hint}; there are {}", names.join(", ")))

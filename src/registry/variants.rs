@@ -7,7 +7,7 @@ const SKIPS: [&str; 6] = ["clouds", "dsz", "dual", "dsz24", "chessboard", "octan
 /// Every exact accelerator that can be built over any geometry, or over solid voxels if `solid`, and each of the options
 /// that change what is built or how it is walked.
 pub fn variants(solid: bool) -> Vec<String> {
-    let mut specs = entries(solid, true);
+    let mut specs = exact_entries(solid);
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];
     specs.extend(grids.iter().map(|o| format!("grid:{o}")));
     specs.push("grid:step=branchless".into());
@@ -43,7 +43,7 @@ pub fn variants(solid: bool) -> Vec<String> {
 /// The exact accelerators as [`variants`] has them, but of options that differ in numbers alone one each: every walk, skip
 /// method, form of distances and kind of tree once.
 pub fn walks(solid: bool) -> Vec<String> {
-    let mut specs = entries(solid, true);
+    let mut specs = exact_entries(solid);
     specs.extend(["step=branchless", "step=integer,density=30", "mailbox=on,density=30"].map(|o| format!("grid:{o}")));
     let forms = ["linear", "log2", "half"].iter().cycle();
     for (name, form) in SKIPS.iter().zip(forms) {
@@ -58,13 +58,14 @@ pub fn walks(solid: bool) -> Vec<String> {
     specs
 }
 
-/// The accelerators compiled in that bring a primitive test of their own and are here to be compared with.
+/// The accelerators compiled in and present here that bring a triangle test of their own and are here to be compared with.
 pub fn peers() -> Vec<String> {
-    entries(false, false)
+    let present = ENTRIES.iter().filter(|e| !e.exact && e.missing().is_none());
+    present.map(|e| e.name.to_string()).collect()
 }
 
-fn entries(solid: bool, exact: bool) -> Vec<String> {
-    let suited = ENTRIES.iter().filter(|e| solid || e.needs == Needs::Any).filter(|e| e.exact == exact);
+fn exact_entries(solid: bool) -> Vec<String> {
+    let suited = ENTRIES.iter().filter(|e| solid || e.needs == Needs::Any).filter(|e| e.exact);
     suited.map(|e| e.name.to_string()).collect()
 }
 

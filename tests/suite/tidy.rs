@@ -23,12 +23,15 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
-    ("measure", &["accel", "error", "npy", "random", "ray", "scene"]),
+    ("measure", &["accel", "error", "npy", "random", "ray", "registry", "scene"]),
+    ("stress", &["accel", "error", "geometry", "grid", "measure", "oracle", "random", "ray", "registry", "scene"]),
     (
         "papers",
-        &["accel", "bsp", "error", "geometry", "grid", "measure", "random", "ray", "registry", "render", "scene"],
+        &[
+            "accel", "bsp", "error", "geometry", "grid", "measure", "oracle", "random", "ray", "registry", "render",
+            "scene", "stress",
+        ],
     ),
-    ("stress", &["accel", "error", "geometry", "grid", "measure", "oracle", "random", "ray", "registry", "scene"]),
     (
         "cli",
         &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "stress", "validate"],

@@ -31,7 +31,7 @@ pub fn text(report: &Report) -> String {
         out += &format!("\n{heading}\n\n{}", aligned(table).text());
     }
     if !report.claims.is_empty() {
-        out += "\nThe paper's claims\n";
+        out += &format!("\n{}\n", report.claims_heading());
     }
     for claim in &report.claims {
         out += &format!("\n{}\n", wrapped(&format!("{} {}", claim.id, claim.claim), "", "    "));
@@ -127,7 +127,10 @@ pub fn markdown(report: &Report, svg: Option<&Path>) -> String {
         out += &format!("\n![The plot of the numbers below]({})\n", name.to_string_lossy());
     }
     if !report.claims.is_empty() {
-        out += "\n## The paper's claims\n\n| | claim | verdict | numbers | rule |\n|---|---|---|---|---|\n";
+        out += &format!(
+            "\n## {}\n\n| | claim | verdict | numbers | rule |\n|---|---|---|---|---|\n",
+            report.claims_heading()
+        );
         for c in &report.claims {
             let verdict = c.verdict.words();
             let [claim, numbers, rule] = [c.claim, &c.numbers, c.rule].map(marked);

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::measure::rounds::build;
 use crate::papers::report::{Cell, Table};
 use crate::papers::trace::{Cost, costs, record, thinned};
+use crate::registry::promises_exact;
 use crate::scene::{LoadOptions, load};
 
 /// One scene under all accelerators.
@@ -25,7 +26,7 @@ struct Entry {
 
 impl Measured {
     pub fn wrong(&self) -> u64 {
-        self.entries.iter().map(|e| e.cost.wrong).sum()
+        self.entries.iter().filter(|e| promises_exact(&e.accel)).map(|e| e.cost.wrong).sum()
     }
 }
 

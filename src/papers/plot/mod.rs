@@ -1,11 +1,13 @@
-//! Plots as SVG: dots in rows, and lines; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
+//! Plots as SVG: dots in rows, lines, and spots; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
 
 mod dots;
 mod lines;
 mod scale;
+mod scatter;
 
 pub use dots::{Dots, Panel};
 pub use lines::{Line, Lines};
+pub use scatter::{Scatter, Spot};
 
 use std::fmt::Write as _;
 
@@ -16,6 +18,8 @@ pub enum Plot {
     Dots(Dots),
     /// One panel of lines.
     Lines(Lines),
+    /// One panel of spots.
+    Scatter(Scatter),
 }
 
 impl Plot {
@@ -24,6 +28,7 @@ impl Plot {
         match self {
             Plot::Dots(dots) => dots.svg(),
             Plot::Lines(lines) => lines.svg(),
+            Plot::Scatter(scatter) => scatter.svg(),
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::grid::{Grid, GridOptions};
 use crate::measure::rounds::build;
-use crate::registry::with_default;
+use crate::registry::{promises_exact, with_default};
 use crate::scene::{Scene, with_geometry};
 
 /// The paper's methods, by their names here.
@@ -174,7 +174,7 @@ impl Study {
 
     /// Answers that differ from the plain grid's, of everything that promises exact ones.
     pub fn wrong(&self) -> u64 {
-        let exact = |m: usize| !self.methods[m].contains("landing=paper");
+        let exact = |m: usize| promises_exact(&self.methods[m]);
         let runs = self.runs.iter().enumerate().map(|(i, cost)| (i % self.methods.len(), cost));
         let full = self.full.iter().map(|f| (f.method, &f.cost));
         let wrong = runs.chain(full).filter(|(m, _)| exact(*m)).map(|(_, cost)| cost.wrong);

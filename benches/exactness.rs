@@ -1,0 +1,35 @@
+//! What exact answers cost: the tables of `skipgrid papers exactness`, as lines of tab-separated columns.
+//!
+//! `cargo bench --bench exactness [-- SCENE..]`: scenes of triangles, files or made by formula.
+
+use skipgrid::papers::exactness::{Options, SCENES, run};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    // `cargo bench` adds --bench; without it, as in `cargo test --benches`, a look at whether it runs is enough.
+    let bench = std::env::args().any(|argument| argument == "--bench");
+    let mut scenes: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    if scenes.is_empty() {
+        scenes = if bench { SCENES.map(String::from).to_vec() } else { vec!["bumpy:n=8".into()] };
+    }
+    let (size, rounds, rays) = if bench { (192, 11, 10_000) } else { (8, 1, 20) };
+    let report = match run(&Options { size, rounds, scenes, rays, peers: true }, &|_, _, _| {}) {
+        Ok(report) => report,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    println!("{}; {}", report.title, report.machine);
+    for table in &report.tables {
+        println!("\n{}", table.title);
+        println!("{}", table.columns.iter().map(|c| c.trim_start_matches('<')).collect::<Vec<_>>().join("\t"));
+        for row in &table.rows {
+            println!("{}", row.iter().map(|cell| cell.short()).collect::<Vec<_>>().join("\t"));
+        }
+    }
+    for claim in &report.claims {
+        println!("\n{}: {} ({})", claim.claim, claim.verdict.words(), claim.numbers);
+    }
+    if report.wrong == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,133 @@
+//! Entries of accelerators with a triangle test of their own, here to be compared with.
+
+use super::{Entry, Needs, Spec};
+use crate::accel::Accel;
+#[cfg(feature = "bvh")]
+use crate::adapters::bvh;
+#[cfg(feature = "embree")]
+use crate::adapters::embree::{self, Quality};
+#[cfg(feature = "parry")]
+use crate::adapters::parry;
+use crate::adapters::soup::Soup;
+#[cfg(feature = "obvhs")]
+use crate::adapters::{obvhs::Preset, obvhs_native};
+use crate::error::Result;
+
+/// What all of these have in common.
+#[allow(dead_code, reason = "none may be compiled in")]
+const fn peer(name: &'static str, summary: &'static str, options: &'static str, source: &'static str) -> Entry {
+    Entry { name, summary, options, source, needs: Needs::Triangles, exact: false }
+}
+
+#[cfg(feature = "obvhs")]
+const PRESETS: &str = "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)";
+
+#[cfg(feature = "obvhs")]
+pub(super) const OBVHS_BVH2: Entry = peer(
+    "obvhs-native-bvh2",
+    "peer, not exact: two-wide BVH of the crate obvhs with its own triangle test",
+    PRESETS,
+    "obvhs 0.4 as its authors intend",
+);
+
+#[cfg(feature = "obvhs")]
+pub(super) const OBVHS_CWBVH: Entry = peer(
+    "obvhs-native-cwbvh",
+    "peer, not exact: eight-wide compressed BVH of the crate obvhs with its own triangle test",
+    PRESETS,
+    "obvhs 0.4 as its authors intend",
+);
+
+#[cfg(feature = "embree")]
+const QUALITIES: &str = "quality=low|medium|high (medium)";
+
+#[cfg(feature = "embree")]
+pub(super) const EMBREE: Entry = peer(
+    "embree",
+    "peer, not exact: Intel's Embree 3 or 4 as it is by default, opened at run time",
+    QUALITIES,
+    "Wald et al. 2014, \"Embree: a kernel framework for efficient CPU ray tracing\"",
+);
+
+#[cfg(feature = "embree")]
+pub(super) const EMBREE_ROBUST: Entry =
+    peer("embree-robust", "peer, not exact: Embree with its robust flag, which avoids holes", QUALITIES, EMBREE.source);
+
+#[cfg(feature = "bvh")]
+pub(super) const BVH: Entry =
+    peer("bvh", "peer, not exact: two-wide BVH of the crate bvh with its own triangle test", "", "bvh 0.13");
+
+#[cfg(feature = "parry")]
+pub(super) const PARRY: Entry =
+    peer("parry", "peer, not exact: triangle mesh of the crate parry3d with its own triangle test", "", "parry3d 0.31");
+
+/// Names of accelerators that are not compiled in, with the feature that brings each in.
+pub const LEFT_OUT: &[(&str, &str)] = &[
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-bvh2", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-cwbvh", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-native-bvh2", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-native-cwbvh", "obvhs"),
+    #[cfg(not(feature = "embree"))]
+    ("embree", "embree"),
+    #[cfg(not(feature = "embree"))]
+    ("embree-robust", "embree"),
+    #[cfg(not(feature = "bvh"))]
+    ("bvh", "bvh"),
+    #[cfg(not(feature = "parry"))]
+    ("parry", "parry"),
+];
+
+/// Why the accelerator `name` cannot be built on this machine, if so.
+pub(super) fn missing(name: &str) -> Option<String> {
+    match name {
+        #[cfg(feature = "embree")]
+        "embree" | "embree-robust" => embree::missing(),
+        _ => None,
+    }
+}
+
+/// True if [`build`] knows the accelerator `name`.
+pub(super) fn has(name: &str) -> bool {
+    let native = cfg!(feature = "obvhs") && matches!(name, "obvhs-native-bvh2" | "obvhs-native-cwbvh");
+    let embree = cfg!(feature = "embree") && matches!(name, "embree" | "embree-robust");
+    native || embree || (cfg!(feature = "bvh") && name == "bvh") || (cfg!(feature = "parry") && name == "parry")
+}
+
+/// Builds the peer that `spec` describes. Not generic: peers copy the triangles.
+#[allow(unused_mut, unused_variables, reason = "not all peers have options, and none may be compiled in")]
+pub(super) fn build(mut spec: Spec, soup: Soup) -> Result<Box<dyn Accel>> {
+    match spec.name() {
+        #[cfg(feature = "obvhs")]
+        name @ ("obvhs-native-bvh2" | "obvhs-native-cwbvh") => {
+            let make = if name == "obvhs-native-bvh2" { obvhs_native::bvh2 } else { obvhs_native::cwbvh };
+            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
+            spec.finish()?;
+            make(soup, preset)
+        }
+        #[cfg(feature = "embree")]
+        name @ ("embree" | "embree-robust") => {
+            let robust = name == "embree-robust";
+            let quality = spec.take_choice("quality", &Quality::NAMES)?.unwrap_or_default();
+            spec.finish()?;
+            if let Some(cause) = embree::missing() {
+                return Err(spec.error(cause));
+            }
+            embree::embree(soup, embree::Options { quality, robust })
+        }
+        #[cfg(feature = "bvh")]
+        "bvh" => {
+            spec.finish()?;
+            bvh::bvh(soup)
+        }
+        #[cfg(feature = "parry")]
+        "parry" => {
+            spec.finish()?;
+            parry::parry(soup)
+        }
+        _ => unreachable!("asked for peers that it has"),
+    }
+}
