@@ -9,6 +9,8 @@ mod shadows;
 pub use brute::BruteForce;
 pub(crate) use brute::{scan_all, scan_any};
 pub(crate) use budget::default_budget;
+#[cfg(feature = "scene")]
+pub(crate) use budget::half_the_memory;
 pub(crate) use candidates::{Candidates, LeftOut};
 pub use probe::{Counts, Probe};
 pub use shadows::{PointShadows, Shadow};

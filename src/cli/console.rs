@@ -85,7 +85,7 @@ impl Console {
 }
 
 /// One line on standard error. If that fails there is nobody to tell.
-fn say(kind: &str, text: impl Display) {
+pub(super) fn say(kind: &str, text: impl Display) {
     let line = text.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     let _ = writeln!(stderr().lock(), "skipgrid: {kind}{line}");
 }

@@ -33,7 +33,7 @@ impl SceneArgs {
     /// # Errors
     /// As [`load`].
     pub fn load(&self, console: &Console) -> Result<Scene> {
-        let scene = load(&self.scene, &LoadOptions { drop_invalid: self.drop_invalid })?;
+        let scene = load(&self.scene, &LoadOptions { drop_invalid: self.drop_invalid, ..LoadOptions::default() })?;
         for warning in &scene.warnings {
             console.warn(warning);
         }

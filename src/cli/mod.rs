@@ -1,7 +1,7 @@
 //! The program: one file for each verb.
 //!
 //! Data go to standard output, everything else to standard error. Exit codes: 0 done and, if something was checked, in
-//! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed.
+//! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed; 130 interrupted.
 
 mod compare;
 mod console;
@@ -9,6 +9,7 @@ mod diff;
 mod export;
 mod info;
 mod input;
+mod interrupt;
 mod list;
 mod papers;
 mod render;
@@ -30,7 +31,7 @@ Examples:
   skipgrid trace mesh.obj --rays rays.npy --hits hits.npy
 
 Exit codes: 0 done and, if something was checked, in order; 1 a check failed; 2 bad usage or bad input; 3 input or \
-output failed.
+output failed; 130 interrupted.
 Data go to standard output, all else to standard error. NO_COLOR is respected.";
 
 /// Grid ray-tracing accelerators next to BVHs in one path tracer, and a validator against POV-Ray and Mitsuba.
@@ -66,6 +67,8 @@ enum Outcome {
     Done,
     /// A check said no.
     CheckFailed,
+    /// The user wanted no more; what was finished is kept.
+    Interrupted,
 }
 
 /// Runs the program on its command line and prints what goes wrong.
@@ -78,6 +81,7 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
         }
     };
+    interrupt::listen();
     let console = Console::new(program.quiet);
     let outcome = match program.verb {
         Verb::List(args) => list::run(&args, &console),
@@ -94,6 +98,7 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Ok(Outcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
         Err(error) => {
             console.error(&error);
             ExitCode::from(error.exit_code())

@@ -1,18 +1,19 @@
 //! `skipgrid render`: a picture of a scene.
 
-use super::Outcome;
 use super::console::Console;
 use super::input::{DEFAULT_ACCEL, SceneArgs, check_picture, note_camera, parse_size};
+use super::{Outcome, interrupt};
 use crate::error::{Error, Result};
-use crate::picture::io::{self, Attributes};
-use crate::render::{Crop, Integrator, RenderStats, Sampler, Settings, render};
+use crate::picture::io::{self, Attributes, PARTIAL};
+use crate::render::{Crop, Film, Integrator, RenderStats, Sampler, Settings, Unfinished, render_until};
 use crate::scene::Scene;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 const DETAILS: &str = "\
 What the command line does not say is taken from the scene file, then from the defaults: path, 512x512, 16 samples, \
 depth 8. A picture depends on scene, integrator, size, sampler, samples, seed and depth, never on accelerator or threads.
+If it is interrupted, the pixels that are finished go to OUT with `.partial` before its extension, and say so in the file.
 
 Examples:
   skipgrid render cornell --spp 64 -o cornell.exr
@@ -139,15 +140,20 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let bar = console.progress(1);
     bar.set_message("rendering");
     let start = Instant::now();
-    let film = render(&scene, &*accel, &settings, &|done, all| {
+    let progress = |done: usize, all: usize| {
         bar.set_length(all as u64);
         bar.set_position(done as u64);
-    });
+    };
+    let rendered = render_until(&scene, &*accel, &settings, &progress, interrupt::request());
     bar.finish_and_clear();
-    let film = film?;
+    let Unfinished { film, finished } = rendered?;
     let seconds = start.elapsed().as_secs_f64();
 
-    io::write(&args.out, &film.picture(), &attributes(&args.scene.scene, &spec, &settings))?;
+    let attributes = attributes(&args.scene.scene, &spec, &settings);
+    if finished < film.sum.len() as u64 {
+        return keep_partial(&args.out, &film, finished, attributes, console);
+    }
+    io::write(&args.out, &film.picture(), &attributes)?;
     if film.stats.discarded > 0 {
         console.warn(format!("{} samples were not finite and count as black", film.stats.discarded));
     }
@@ -171,6 +177,22 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         rays / seconds
     ));
     Ok(Outcome::Done)
+}
+
+/// Writes the pixels that are finished beside `out`, which stays as it is.
+fn keep_partial(out: &Path, film: &Film, finished: u64, attributes: Attributes, console: &Console) -> Result<Outcome> {
+    if finished == 0 {
+        console.note(format!("{}: no pixel was finished, nothing is written", out.display()));
+        return Ok(Outcome::Interrupted);
+    }
+    // The name was checked to have an extension.
+    let extension = out.extension().unwrap_or_default().to_string_lossy();
+    let file = out.with_extension(format!("partial.{extension}"));
+    let (pixels, samples) = (film.sum.len(), film.samples);
+    let state = format!("{finished} of {pixels} pixels have all their {samples} samples, the others are black");
+    io::write(&file, &film.picture(), &attributes.with(PARTIAL, &state))?;
+    console.note(format!("{}: {state}", file.display()));
+    Ok(Outcome::Interrupted)
 }
 
 /// The command line, then the scene's wishes, then the defaults.

@@ -102,15 +102,15 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 }
 
 fn write_files(args: &Args, study: &Study, console: &Console) -> Result<()> {
-    let outputs: [(&Option<PathBuf>, fn(&Study) -> String); 3] =
-        [(&args.csv, forms::csv), (&args.json, |study| format!("{:#}\n", forms::json(study))), (&args.html, page)];
-    for (file, form) in outputs {
-        if let Some(file) = file {
-            replace_file(file, form(study).as_bytes())?;
-            console.note(format!("written: {}", file.display()));
-        }
-    }
-    Ok(())
+    let write = |file: &Option<PathBuf>, form: fn(&Study) -> String| -> Result<()> {
+        let Some(file) = file else { return Ok(()) };
+        replace_file(file, form(study).as_bytes())?;
+        console.note(format!("written: {}", file.display()));
+        Ok(())
+    };
+    write(&args.csv, forms::csv)?;
+    write(&args.json, |study| format!("{:#}\n", forms::json(study)))?;
+    write(&args.html, page)
 }
 
 /// Prints the table of the chosen cases.

@@ -47,7 +47,7 @@ pub struct Args {
         long,
         value_name = "OX OY OZ DX DY DZ [TMIN TMAX]",
         allow_hyphen_values = true,
-        conflicts_with_all = ["rays", "any"],
+        conflicts_with_all = ["rays", "hits", "any"],
         value_parser = parse_ray,
     )]
     ray: Vec<Ray>,

@@ -25,11 +25,12 @@ const RAY_BYTES: u64 = 4 * FIELDS as u64;
 /// shorter or longer than its header says. Nothing is allocated before the file's length has been checked.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray>> {
     let io = |source| Error::io(path, source);
-    let file = File::open(path).map_err(io)?;
-    let meta = file.metadata().map_err(io)?;
+    // Asked before opening: opening a pipe would wait for a writer.
+    let meta = std::fs::metadata(path).map_err(io)?;
     if !meta.is_file() {
         return Err(Error::malformed(path, "not a regular file"));
     }
+    let file = File::open(path).map_err(io)?;
     read_rays_from(&mut BufReader::new(file), meta.len()).map_err(|fault| match fault {
         Fault::Io(source) => Error::io(path, source),
         Fault::Content(cause) => Error::malformed(path, cause),

@@ -1,6 +1,6 @@
 //! The rays that a renderer would ask for: camera, shadow and diffuse-bounce rays of a scene.
 
-use crate::accel::Accel;
+use crate::accel::{Accel, half_the_memory};
 use crate::error::{Error, Result};
 use crate::random::Random;
 use crate::ray::{Aabb, Ray};
@@ -122,12 +122,13 @@ fn camera_rays(scene: &Scene, options: &RayOptions) -> Result<Vec<Ray>> {
 }
 
 fn with_capacity(count: usize) -> Result<Vec<Ray>> {
+    // There are three sets.
+    let wanted = (count as u64).saturating_mul(3 * size_of::<Ray>() as u64);
+    let allowed = half_the_memory();
     let mut rays = Vec::new();
-    rays.try_reserve_exact(count).map_err(|_| Error::TooLarge {
-        what: format!("{count} rays"),
-        wanted: (count as u64).saturating_mul(size_of::<Ray>() as u64),
-        allowed: isize::MAX as u64,
-    })?;
+    if wanted > allowed || rays.try_reserve_exact(count).is_err() {
+        return Err(Error::TooLarge { what: format!("three sets of {count} rays"), wanted, allowed });
+    }
     Ok(rays)
 }
 

@@ -11,14 +11,20 @@ use crate::error::{Error, Result};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{PoisonError, RwLock};
 
-/// Decoded pictures above this many bytes are refused before anything is allocated for them.
-pub const MAX_DECODED_BYTES: u64 = 1 << 30;
+/// Pictures that take more bytes than this while they are decoded are refused before anything is allocated for them.
+pub const MAX_DECODED_BYTES: u64 = 1 << 31;
+
+/// Most bytes that a byte of a compressed file can stand for. Deflate's longest match of 258 bytes takes two bits (RFC
+/// 1951); the run lengths of EXR's other methods give less.
+const MAX_RATIO: u64 = 1032;
 
 /// Files above this many bytes are refused before they are read.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Named texts that an EXR file carries: render settings, accelerator. PNG and PFM files drop them.
+/// Named texts that an EXR file carries: render settings, accelerator. Of these a PNG file carries [`PARTIAL`] alone, a PFM
+/// file none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Attributes {
     /// Names and values in the order of insertion.
@@ -37,6 +43,9 @@ impl Attributes {
         self.entries.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
     }
 }
+
+/// Name of the attribute of a picture that is not finished; its value says how far it is.
+pub const PARTIAL: &str = "partial";
 
 /// How the numbers in a PNG file relate to light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,8 +87,8 @@ impl Format {
 /// colour; opacity is ignored. PFM: `PF` or `Pf`. Pixels that are not finite are read as they are.
 ///
 /// # Errors
-/// The file cannot be read, has another extension, is damaged, has no colour channels, several parts or deep data, or
-/// would decode to more than [`MAX_DECODED_BYTES`].
+/// The file cannot be read, has another extension, is damaged, has no colour channels, several parts or deep data, would
+/// take more than [`MAX_DECODED_BYTES`] while it is decoded, or states a size for which it is too short.
 pub fn read(path: impl AsRef<Path>) -> Result<Picture> {
     read_with(path, PngEncoding::Declared)
 }
@@ -99,8 +108,8 @@ pub fn read_with(path: impl AsRef<Path>, encoding: PngEncoding) -> Result<Pictur
     }
 }
 
-/// Writes a picture: EXR in f32 with `attributes`, PNG in sRGB with 8 bits (clamped to 0..1, NaN as 0), PFM in little
-/// endian.
+/// Writes a picture: EXR in f32 with `attributes`, PNG in sRGB with 8 bits (clamped to 0..1, NaN as 0) and [`PARTIAL`] as a
+/// text, PFM in little endian.
 ///
 /// The file appears whole or not at all; an older file of that name stays until then.
 ///
@@ -112,7 +121,13 @@ pub fn write(path: impl AsRef<Path>, picture: &Picture, attributes: &Attributes)
     check_size(path, picture)?;
     let bytes = match format {
         Format::Exr => exr::encode(path, picture, None, attributes)?,
-        Format::Png => encode_png(path, picture)?,
+        Format::Png => {
+            let bytes = png::encode(path, picture)?;
+            match attributes.get(PARTIAL) {
+                Some(text) => png::with_text(bytes, PARTIAL, text),
+                None => bytes,
+            }
+        }
         Format::Pfm => pfm::encode(picture),
     };
     replace_file(path, &bytes)
@@ -136,6 +151,7 @@ pub fn encode_png(path: &Path, picture: &Picture) -> Result<Vec<u8>> {
 /// The folder is missing or not writable, the disk is full, or `path` exists and is no regular file.
 pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let _writing = WRITERS.read().unwrap_or_else(PoisonError::into_inner);
     let path = path.as_ref();
     let fail = |source| Error::io(path, source);
     let target = match std::fs::metadata(path) {
@@ -154,6 +170,16 @@ pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     })
 }
 
+/// Held for reading by whoever writes a file.
+static WRITERS: RwLock<()> = RwLock::new(());
+
+/// Calls `then` once no file is being written; as long as it runs none is begun.
+#[cfg(all(feature = "cli", unix))]
+pub(crate) fn between_files<T>(then: impl FnOnce() -> T) -> T {
+    let _alone = WRITERS.write().unwrap_or_else(PoisonError::into_inner);
+    then()
+}
+
 fn write_new(part: &PathBuf, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = std::fs::File::create_new(part)?;
     file.write_all(bytes)?;
@@ -161,7 +187,7 @@ fn write_new(part: &PathBuf, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// Reads a regular file of at most [`MAX_FILE_BYTES`].
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let meta = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
     if !meta.is_file() {
         return Err(Error::malformed(path, "is no regular file"));
@@ -176,18 +202,36 @@ fn too_large(path: &Path, what: &str, wanted: u64, allowed: u64) -> Error {
     Error::TooLarge { what: format!("{}: {what}", path.display()), wanted, allowed }
 }
 
-/// Refuses a declared size that is empty or would decode to too much; gives the number of pixels.
-fn check_declared(path: &Path, width: u64, height: u64, bytes_per_pixel: u64) -> Result<usize> {
+/// What a file says of its pixels before they are decoded.
+struct Declared {
+    width: u64,
+    height: u64,
+    /// Of a pixel as it is packed in the file before compression.
+    bits_per_pixel: u64,
+    /// Of a pixel while it is decoded, the picture's own 12 aside.
+    bytes_per_pixel: u64,
+    /// Of the whole file.
+    file: u64,
+}
+
+/// Refuses a declared size that is empty, would take too much, or cannot be in the file; gives the number of pixels.
+fn check_declared(path: &Path, declared: &Declared) -> Result<usize> {
+    let &Declared { width, height, bits_per_pixel, bytes_per_pixel, file } = declared;
     if width == 0 || height == 0 {
         return Err(Error::malformed(path, format!("picture of {width} x {height} pixels is empty")));
     }
     let pixels = width.saturating_mul(height);
-    let wanted = pixels.saturating_mul(bytes_per_pixel.max(12));
+    let wanted = pixels.saturating_mul(bytes_per_pixel.saturating_add(12));
     let small_sides = u32::try_from(width).is_ok() && u32::try_from(height).is_ok();
-    match usize::try_from(pixels) {
-        Ok(n) if small_sides && wanted <= MAX_DECODED_BYTES => Ok(n),
-        _ => Err(too_large(path, &format!("picture of {width} x {height} pixels"), wanted, MAX_DECODED_BYTES)),
+    let Some(count) = usize::try_from(pixels).ok().filter(|_| small_sides && wanted <= MAX_DECODED_BYTES) else {
+        return Err(too_large(path, &format!("picture of {width} x {height} pixels"), wanted, MAX_DECODED_BYTES));
+    };
+    let packed = pixels.saturating_mul(bits_per_pixel) / 8;
+    if packed > file.saturating_mul(MAX_RATIO) {
+        let cause = format!("picture of {width} x {height} pixels, {packed} bytes, cannot be in a file of {file}");
+        return Err(Error::malformed(path, cause));
     }
+    Ok(count)
 }
 
 /// A black picture whose memory was asked for, not taken for granted.

@@ -3,11 +3,15 @@
 use super::light::has_area_lights;
 use super::sampler::SOBOL_LIMIT;
 use super::{Crop, Integrator, Sampler, Settings};
+use crate::accel::half_the_memory;
 use crate::error::{Error, Result};
 use crate::scene::{Bsdf, Scene};
 
 /// Most pixels of a film: 2^28, such as 16384 x 16384.
 const MAX_PIXELS: u64 = 1 << 28;
+
+/// Two sums of three f64 for each pixel.
+const PIXEL_BYTES: u64 = 48;
 
 /// Longest path of the recursive integrator, as POV-Ray's.
 const MAX_DEPTH_WHITTED: u32 = 256;
@@ -34,10 +38,10 @@ pub(super) fn settings(settings: &Settings) -> Result<Crop> {
         )));
     }
     let pixels = u64::from(area.width) * u64::from(area.height);
-    if pixels > MAX_PIXELS {
+    let (wanted, allowed) = (pixels.saturating_mul(PIXEL_BYTES), half_the_memory().min(MAX_PIXELS * PIXEL_BYTES));
+    if wanted > allowed {
         let what = format!("film of {}x{} pixels", area.width, area.height);
-        // Two sums of three f64 for each pixel.
-        return Err(Error::TooLarge { what, wanted: pixels.saturating_mul(48), allowed: MAX_PIXELS * 48 });
+        return Err(Error::TooLarge { what, wanted, allowed });
     }
     match settings.sampler {
         Sampler::Regular(n) if n == 0 || n.checked_mul(n).is_none() => {

@@ -25,6 +25,7 @@ use crate::scene::Scene;
 use glam::DVec3;
 use integrator::{features, path, whitted};
 use sampler::{PixelSamples, Samples};
+use std::sync::atomic::{AtomicBool, Ordering};
 use tracer::{Stage, Tracer};
 
 /// What is computed for each pixel.
@@ -124,6 +125,30 @@ pub fn render<A: Accel + ?Sized>(
     settings: &Settings,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Film> {
+    Ok(render_until(scene, accel, settings, progress, &AtomicBool::new(false))?.film)
+}
+
+/// A film that may have been left before its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unfinished {
+    /// The film; pixels that are not finished are black.
+    pub film: Film,
+    /// Pixels with all their samples.
+    pub finished: u64,
+}
+
+/// As [`render`], but ends soon after `stop` has become true. Pixels that have all their samples then are kept, to the bit
+/// as in the whole film.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_until<A: Accel + ?Sized>(
+    scene: &Scene,
+    accel: &A,
+    settings: &Settings,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    stop: &AtomicBool,
+) -> Result<Unfinished> {
     let area = check::settings(settings)?;
     check::scene(scene)?;
     let bounds = accel.bounds();
@@ -137,7 +162,7 @@ pub fn render<A: Accel + ?Sized>(
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
     };
-    let job = Job { stage: &stage, accel, settings, area, progress };
+    let job = Job { stage: &stage, accel, settings, area, progress, stop };
     match settings.integrator {
         Integrator::Path => job.run(|tracer, ray, samples| path::radiance(tracer, ray, samples, path::Share::Power)),
         Integrator::Whitted => job.run(|tracer, ray, _| whitted::radiance(tracer, &ray)),
@@ -155,11 +180,12 @@ struct Job<'a, A: ?Sized> {
     settings: &'a Settings,
     area: Crop,
     progress: &'a (dyn Fn(usize, usize) + Sync),
+    stop: &'a AtomicBool,
 }
 
 impl<A: Accel + ?Sized> Job<'_, A> {
     /// Makes it: `radiance` says what a camera ray brings back.
-    fn run(&self, radiance: impl Fn(&mut Tracer<A>, Ray, &Samples) -> DVec3 + Sync) -> Result<Film> {
+    fn run(&self, radiance: impl Fn(&mut Tracer<A>, Ray, &Samples) -> DVec3 + Sync) -> Result<Unfinished> {
         let Settings { width, height, sampler, seed, threads, .. } = *self.settings;
         let view = view::View::new(&self.stage.scene.camera, width, height)?;
         let count = sampler.samples();
@@ -167,6 +193,9 @@ impl<A: Accel + ?Sized> Job<'_, A> {
             let pixel = PixelSamples::new(sampler, seed, x, y);
             let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
             for index in 0..count {
+                if self.stop.load(Ordering::Relaxed) {
+                    return None;
+                }
                 let samples = pixel.sample(index);
                 let [dx, dy] = samples.offset();
                 let ray = view.ray(f64::from(x) + dx, f64::from(y) + dy);
@@ -178,13 +207,13 @@ impl<A: Accel + ?Sized> Job<'_, A> {
                     tracer.stats.discarded += 1;
                 }
             }
-            (sum, squares)
+            Some((sum, squares))
         };
         let tile = |part: Crop, pixels: &mut Vec<tiles::Sums>| {
             let mut tracer = Tracer::new(self.stage, self.accel);
-            for y in part.y..part.y + part.height {
-                pixels.extend((part.x..part.x + part.width).map(|x| pixel(&mut tracer, x, y)));
-            }
+            let rows = part.y..part.y + part.height;
+            let all = rows.flat_map(|y| (part.x..part.x + part.width).map(move |x| (x, y)));
+            pixels.extend(all.map_while(|(x, y)| pixel(&mut tracer, x, y)));
             tracer.stats
         };
         tiles::film(self.area, count, threads, self.progress, &tile)

@@ -1,10 +1,10 @@
 //! The picture in tiles, on as many threads as are wanted.
 
-use super::Crop;
 use super::film::{Film, RenderStats};
+use super::{Crop, Unfinished};
 use crate::error::Result;
 use glam::DVec3;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Edge of a tile, pixels.
@@ -13,7 +13,8 @@ const EDGE: u32 = 16;
 /// Sums of the samples of one pixel: values and squares.
 pub(super) type Sums = (DVec3, DVec3);
 
-/// Fills a film with `tile(part, pixels)`, which appends the sums of the pixels of `part`, row by row.
+/// Fills a film with `tile(part, pixels)`, which appends the sums of the pixels of `part`, row by row; if it is told to
+/// stop, those that are finished.
 ///
 /// # Errors
 /// The film does not fit into memory, or the threads cannot be started.
@@ -23,8 +24,9 @@ pub(super) fn film(
     threads: Option<usize>,
     progress: &(dyn Fn(usize, usize) + Sync),
     tile: &(dyn Fn(Crop, &mut Vec<Sums>) -> RenderStats + Sync),
-) -> Result<Film> {
+) -> Result<Unfinished> {
     let film = Mutex::new(Film::new(area.width, area.height, samples)?);
+    let finished = AtomicU64::new(0);
     let columns = area.width.div_ceil(EDGE) as usize;
     let count = columns * area.height.div_ceil(EDGE) as usize;
     let done = AtomicUsize::new(0);
@@ -38,10 +40,12 @@ pub(super) fn film(
             film.stats += stats;
             write(&mut film, area, part, &pixels);
         }
+        finished.fetch_add(pixels.len() as u64, Ordering::Relaxed);
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, count);
     };
     run(count, threads, &work)?;
-    Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
+    let film = film.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(Unfinished { film, finished: finished.into_inner() })
 }
 
 /// The tile at (x, y) of `area`, cut at its edges.

@@ -3,6 +3,7 @@
 //! An array of three dimensions of `uint8` or `bool`: element `[x, y, z]` is the voxel there, y upwards; anything but 0 is
 //! solid, of one grey material. Both orders in memory are read. Voxels have edge 1, the least corner is the origin.
 
+use super::budget::Budget;
 use super::load::{read_bytes, stem};
 use super::{Material, SceneParts};
 use crate::error::{Error, Result};
@@ -11,13 +12,17 @@ use crate::npy::{Fault, read_header, value};
 use glam::Vec3;
 use std::path::Path;
 
+/// Bytes for a voxel: in the file and in the scene. The exposed faces are counted before they are kept.
+const VOXEL_BYTES: u64 = 2;
+
 /// Reads a file.
 ///
 /// # Errors
-/// The file cannot be read, holds another kind of array, is shorter or longer than its header says, or has more voxels than
+/// The file cannot be read, is too large for the memory allowed, holds another kind of array, is shorter or longer than its header says, or has more voxels than
 /// [`SolidVoxels::new`] takes.
-pub(super) fn read(path: &Path) -> Result<SceneParts> {
+pub(super) fn read(path: &Path, budget: &Budget) -> Result<SceneParts> {
     let bytes = read_bytes(path)?;
+    budget.take(VOXEL_BYTES * bytes.len() as u64, || format!("{}: voxels", path.display()))?;
     let voxels = voxels(&bytes).map_err(|cause| Error::malformed(path, cause))?;
     Ok(SceneParts {
         name: stem(path),

@@ -113,8 +113,8 @@ mod look;
 mod schema;
 mod shape;
 
-use super::load::{read_bytes, stem};
-use super::{LoadOptions, Material, SceneParts};
+use super::load::{Loading, read_bytes, stem};
+use super::{Material, SceneParts};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use schema::SceneFile;
@@ -125,13 +125,13 @@ use toml::Spanned;
 ///
 /// # Errors
 /// A file cannot be read, the text is not TOML, or a key or value is not as the module's documentation says.
-pub(super) fn read(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
+pub(super) fn read(path: &Path, loading: &Loading) -> Result<SceneParts> {
     let bytes = read_bytes(path)?;
     let text = std::str::from_utf8(&bytes).map_err(|e| {
         let line = bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
         Error::malformed(path, format!("line {line}: not UTF-8"))
     })?;
-    let reader = Reader { path, text, options };
+    let reader = Reader { path, text, loading };
     let file: SceneFile = toml::from_str(text).map_err(|e| {
         let cause = e.message().replace('\n', ", ");
         reader.fail(e.span().map_or(0, |s| s.start), cause)
@@ -143,7 +143,7 @@ pub(super) fn read(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
 struct Reader<'a> {
     path: &'a Path,
     text: &'a str,
-    options: &'a LoadOptions,
+    loading: &'a Loading,
 }
 
 impl Reader<'_> {

@@ -25,8 +25,8 @@ mod material;
 mod mesh;
 mod walk;
 
-use super::load::{read_bytes, stem};
-use super::{LoadOptions, SceneParts};
+use super::SceneParts;
+use super::load::{Loading, read_bytes, stem};
 use crate::error::{Error, Result};
 use ::gltf::json::Root;
 use std::path::Path;
@@ -35,7 +35,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// A file cannot be read, or breaks the format: see the messages.
-pub(super) fn read(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
+pub(super) fn read(path: &Path, loading: &Loading) -> Result<SceneParts> {
     let bytes = read_bytes(path)?;
     let mut notices = Notices::new(path);
     let (json, blob) = container::split(path, &bytes)?;
@@ -44,9 +44,10 @@ pub(super) fn read(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
         Error::malformed(path, format!("not a glTF document: {e}"))
     })?;
     json_check::check(path, &root, &mut notices)?;
-    let buffers = container::buffers(path, &root, blob)?;
-    let data = accessor::Data { path, root: &root, buffers: &buffers };
-    data.check_all(options.drop_invalid)?;
+    let budget = &loading.budget;
+    let buffers = container::buffers(path, &root, blob, budget)?;
+    let data = accessor::Data { path, root: &root, buffers: &buffers, budget };
+    data.check_all(loading.drop_invalid)?;
     let mut parts = SceneParts { name: stem(path), ..SceneParts::default() };
     let materials = material::read_all(&data, &mut parts, &mut notices);
     walk::walk(&data, &materials, &mut parts, &mut notices)?;

@@ -1,7 +1,9 @@
 //! Picks the loader by name and extension, and refuses or drops what is not finite.
 
 use super::assemble::assemble;
+use super::budget::Budget;
 use super::{Mesh, Scene, SceneParts, dense, file, procedural, raw};
+use crate::accel::half_the_memory;
 use crate::error::{Error, Result};
 use glam::{Vec2, Vec3};
 use std::io::Read;
@@ -11,10 +13,25 @@ use std::path::Path;
 const MAX_FILE: u64 = 1 << 32;
 
 /// How to read a scene.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct LoadOptions {
     /// Drop primitives with coordinates that are not finite, with a warning that counts them, instead of refusing.
     pub drop_invalid: bool,
+    /// Bytes that meshes, textures and voxels may take together; a scene that needs more is refused before it takes them.
+    pub memory: u64,
+}
+
+impl Default for LoadOptions {
+    /// Nothing is dropped; half of the machine's memory.
+    fn default() -> Self {
+        Self { drop_invalid: false, memory: half_the_memory() }
+    }
+}
+
+/// The options of one scene, and what is left of its memory.
+pub(super) struct Loading {
+    pub(super) drop_invalid: bool,
+    pub(super) budget: Budget,
 }
 
 /// Reads `spec`: the path of a .toml, .gltf, .glb, .obj, .vox, .npy (voxels), .tri or .sph file, or the name of a procedural scene with
@@ -27,24 +44,25 @@ pub struct LoadOptions {
 /// The file cannot be read or is not usable: the message names the file, the place and the cause.
 pub fn load(spec: &str, options: &LoadOptions) -> Result<Scene> {
     let path = Path::new(spec);
+    let loading = &Loading { drop_invalid: options.drop_invalid, budget: Budget::new(options) };
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let parts = match extension.as_deref() {
-        Some("toml") => file::read(path, options)?,
+        Some("toml") => file::read(path, loading)?,
         Some("tri") => bare_triangles(path)?,
         Some("sph") => bare_spheres(path)?,
-        Some("obj" | "gltf" | "glb") => read_mesh_file(path, options)?,
-        Some("npy") => dense::read(path)?,
+        Some("obj" | "gltf" | "glb") => read_mesh_file(path, loading)?,
+        Some("npy") => dense::read(path, &loading.budget)?,
         #[cfg(feature = "vox")]
-        Some("vox") => super::vox::read(path)?,
-        _ => procedural::parse(spec)?,
+        Some("vox") => super::vox::read(path, &loading.budget)?,
+        _ => procedural::parse_within(spec, &loading.budget)?,
     };
     assemble(parts, spec)
 }
 
 /// Reads a .gltf, .glb or .obj file; every coordinate that is left is finite.
-pub(super) fn read_mesh_file(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
+pub(super) fn read_mesh_file(path: &Path, loading: &Loading) -> Result<SceneParts> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    type Read = fn(&Path, &LoadOptions) -> Result<SceneParts>;
+    type Read = fn(&Path, &Loading) -> Result<SceneParts>;
     let read: Option<Read> = match extension.as_deref() {
         #[cfg(feature = "gltf")]
         Some("gltf" | "glb") => Some(super::gltf::read),
@@ -53,8 +71,8 @@ pub(super) fn read_mesh_file(path: &Path, options: &LoadOptions) -> Result<Scene
         _ => None,
     };
     let cause = "not a kind of mesh file that this build reads (.gltf, .glb, .obj)";
-    let mut parts = read.ok_or_else(|| Error::malformed(path, cause))?(path, options)?;
-    make_finite(&mut parts, path, options)?;
+    let mut parts = read.ok_or_else(|| Error::malformed(path, cause))?(path, loading)?;
+    make_finite(&mut parts, path, loading)?;
     Ok(parts)
 }
 
@@ -114,31 +132,36 @@ fn never_hit(path: &Path, bad: usize) -> Vec<String> {
 }
 
 /// Refuses vertices that are not finite, or drops the triangles that use them.
-fn make_finite(parts: &mut SceneParts, path: &Path, options: &LoadOptions) -> Result<()> {
+fn make_finite(parts: &mut SceneParts, path: &Path, loading: &Loading) -> Result<()> {
     let mut dropped = 0;
     for (m, mesh) in parts.meshes.iter_mut().enumerate() {
         let Some(v) = (0..mesh.positions.len()).find(|&v| !vertex_is_finite(mesh, v)) else { continue };
-        if !options.drop_invalid {
+        if !loading.drop_invalid {
             let name = &mesh.name;
             let cause = format!("mesh {m} `{name}`: vertex {v}: {} is not finite", vertex_defect(mesh, v));
             return Err(Error::malformed(path, cause));
         }
-        let bad: Vec<bool> = (0..mesh.positions.len()).map(|v| !vertex_is_finite(mesh, v)).collect();
-        let before = mesh.triangles.len();
-        // An index out of range stays, for `Scene::new` to name.
-        mesh.triangles.retain(|t| t.iter().all(|&i| bad.get(i as usize) != Some(&true)));
-        dropped += before - mesh.triangles.len();
-        // Nothing refers to these vertices any more; exporters write them all the same.
-        for v in (0..bad.len()).filter(|&v| bad[v]) {
-            mesh.positions[v] = Vec3::ZERO;
-            mesh.normals.get_mut(v).into_iter().for_each(|n| *n = Vec3::ZERO);
-            mesh.uvs.get_mut(v).into_iter().for_each(|uv| *uv = Vec2::ZERO);
-        }
+        dropped += drop_invalid(mesh);
     }
     if dropped > 0 {
         parts.warnings.push(format!("{}: dropped {dropped} triangles that are not finite", path.display()));
     }
     Ok(())
+}
+
+/// Drops the triangles with a vertex that is not finite; says how many there were.
+pub(super) fn drop_invalid(mesh: &mut Mesh) -> usize {
+    let bad: Vec<bool> = (0..mesh.positions.len()).map(|v| !vertex_is_finite(mesh, v)).collect();
+    let before = mesh.triangles.len();
+    // An index out of range stays, for `Scene::new` to name.
+    mesh.triangles.retain(|t| t.iter().all(|&i| bad.get(i as usize) != Some(&true)));
+    // Nothing refers to these vertices any more; exporters write them all the same.
+    for v in (0..bad.len()).filter(|&v| bad[v]) {
+        mesh.positions[v] = Vec3::ZERO;
+        mesh.normals.get_mut(v).into_iter().for_each(|n| *n = Vec3::ZERO);
+        mesh.uvs.get_mut(v).into_iter().for_each(|uv| *uv = Vec2::ZERO);
+    }
+    before - mesh.triangles.len()
 }
 
 fn vertex_is_finite(mesh: &Mesh, v: usize) -> bool {

@@ -1,6 +1,7 @@
 //! What is rendered: primitives in world space, materials, lights, camera; and where it comes from.
 
 mod assemble;
+mod budget;
 mod camera;
 mod dense;
 mod export;

@@ -22,8 +22,9 @@ mod material;
 mod meshes;
 mod mtl;
 
-use super::load::{read_bytes, stem};
-use super::{LoadOptions, Material, SceneParts};
+use super::budget::Budget;
+use super::load::{Loading, read_bytes, stem};
+use super::{Material, SceneParts};
 use crate::error::{Error, Result};
 use check::Checked;
 use std::collections::{HashMap, HashSet};
@@ -48,17 +49,17 @@ type Library = (Vec<tobj::Material>, HashMap<String, usize>);
 ///
 /// # Errors
 /// The file cannot be read or is too large; a number or index is none; an index refers to nothing; a coordinate is not
-/// finite (unless `options` drop such vertices later).
-pub(super) fn read(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
+/// finite (unless such vertices are dropped later).
+pub(super) fn read(path: &Path, loading: &Loading) -> Result<SceneParts> {
     let bytes = read_bytes(path)?;
     if bytes.len() > MAX_BYTES {
         return Err(Error::malformed(path, format!("{} bytes, at most {MAX_BYTES} are read", bytes.len())));
     }
-    let checked = check::check(path, &bytes, options.drop_invalid)?;
+    let checked = check::check(path, &bytes, loading.drop_invalid)?;
     drop(bytes);
-    afford(path, &checked)?;
+    afford(path, &checked, &loading.budget)?;
     let mut parts = SceneParts { name: stem(path), ..SceneParts::default() };
-    let libraries = libraries(path, &checked, &mut parts)?;
+    let libraries = libraries(path, &checked, &mut parts, &loading.budget)?;
     missing_materials(path, &checked, &libraries, &mut parts.warnings);
     let text = checked.text(libraries.len());
     let how = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
@@ -76,19 +77,15 @@ pub(super) fn read(path: &Path, options: &LoadOptions) -> Result<SceneParts> {
         mesh.material = material.map_or_else(|| *grey.get_or_insert_with(|| add_grey(&mut parts)), |id| id as u32);
         parts.meshes.push(mesh);
     }
+    loading.budget.take_meshes(&parts.meshes, || format!("{}: meshes", path.display()))?;
     Ok(parts)
 }
 
 /// Refuses what would not fit into memory, before `tobj` tries.
-fn afford(path: &Path, checked: &Checked) -> Result<()> {
+fn afford(path: &Path, checked: &Checked, budget: &Budget) -> Result<()> {
     let (corners, sets) = (checked.faces.corners, checked.faces.sets.len() as u64);
     let wanted = corners.saturating_mul(CORNER_BYTES).saturating_add(sets.saturating_mul(SET_BYTES));
-    let bytes = usize::try_from(wanted).unwrap_or(usize::MAX);
-    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| Error::TooLarge {
-        what: format!("{}: {corners} corners of faces", path.display()),
-        wanted,
-        allowed: 0,
-    })
+    budget.afford(wanted, || format!("{}: {corners} corners of faces", path.display()))
 }
 
 fn add_grey(parts: &mut SceneParts) -> u32 {
@@ -97,7 +94,7 @@ fn add_grey(parts: &mut SceneParts) -> u32 {
 }
 
 /// Reads all MTL files into `parts`, in the order in which `tobj` numbers their materials.
-fn libraries(path: &Path, checked: &Checked, parts: &mut SceneParts) -> Result<Vec<Library>> {
+fn libraries(path: &Path, checked: &Checked, parts: &mut SceneParts, budget: &Budget) -> Result<Vec<Library>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut seen = HashSet::new();
     let mut libraries = Vec::new();
@@ -114,7 +111,7 @@ fn libraries(path: &Path, checked: &Checked, parts: &mut SceneParts) -> Result<V
             if n.max(seen.len()) > MAX_LIBRARIES {
                 return Err(Error::malformed(path, format!("line {line}: more than {MAX_LIBRARIES} MTL files")));
             }
-            match mtl::read(&folder.join(name), parts) {
+            match mtl::read(&folder.join(name), parts, budget) {
                 Ok(library) => libraries.push(library),
                 Err(e) => {
                     failures += 1;

@@ -11,8 +11,10 @@
 //!
 //! Values are taken bit for bit; NaN and infinities too.
 
+use super::load::read_bytes;
 use crate::error::{Error, Result};
 use crate::geometry::{Sphere, Triangle};
+use crate::picture::io::replace_file;
 use crate::ray::Ray;
 use glam::Vec3;
 use std::path::Path;
@@ -115,7 +117,7 @@ pub fn write_rays(path: impl AsRef<Path>, rays: &[Ray]) -> Result<()> {
 /// As [`read_triangles`]; or a record is not as [`Answer`] describes.
 pub fn read_truth(path: impl AsRef<Path>) -> Result<Truth> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    let bytes = read_bytes(path)?;
     let mut input = Input::open(path, &bytes, b"TRU1")?;
     let count = input.u32("count of records")?;
     let all_hit = input.u32("flags")? & 1 == 1;
@@ -170,7 +172,7 @@ fn reserve<T>(path: &Path, count: u64, least: u64, left: usize) -> Result<Vec<T>
 }
 
 fn read_floats<T, const N: usize>(path: &Path, magic: &[u8; 4], make: impl Fn(&[f32; N]) -> T) -> Result<Vec<T>> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    let bytes = read_bytes(path)?;
     let mut input = Input::open(path, &bytes, magic)?;
     let count = input.u32("count of records")?;
     let mut items = reserve(path, u64::from(count), 4 * N as u64, input.rest.len())?;
@@ -194,7 +196,7 @@ fn write_floats<T>(path: &Path, magic: &[u8; 4], items: &[T], floats: impl Fn(&T
     for item in items {
         floats(item).iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     }
-    std::fs::write(path, bytes).map_err(|e| Error::io(path, e))
+    replace_file(path, &bytes)
 }
 
 /// The bytes of a file not yet read.

@@ -1,5 +1,6 @@
 //! Decodes PNG and JPEG images into linear textures, within limits.
 
+use super::budget::Budget;
 use super::{Filter, Texture};
 use glam::Vec3;
 use image::{DynamicImage, ImageReader, Limits};
@@ -8,12 +9,21 @@ use std::io::Cursor;
 /// Most pixels on a side, and in all: 64 Mi texels take 768 MiB.
 const MAX_SIDE: u32 = 1 << 15;
 const MAX_TEXELS: u64 = 1 << 26;
+/// Most bytes for a texel while an image is decoded: 8 and 6 of 16 bits a channel, and 12.
+const TEXEL_BYTES: u64 = 26;
 /// Most bytes that the decoder may allocate.
 const MAX_ALLOC: u64 = 1 << 30;
 
+/// As [`decode`], for a texture that stays in the scene.
+pub(super) fn keep(bytes: &[u8], name: &str, srgb: bool, filter: Filter, budget: &Budget) -> Result<Texture, String> {
+    let texture = decode(bytes, name, srgb, filter, budget)?;
+    budget.take_texture(&texture)?;
+    Ok(texture)
+}
+
 /// Decodes `bytes`; `srgb` says whether values are encoded or linear. The error is the cause alone.
-pub(super) fn decode(bytes: &[u8], name: &str, srgb: bool, filter: Filter) -> Result<Texture, String> {
-    let picture = picture(bytes)?;
+pub(super) fn decode(bytes: &[u8], name: &str, srgb: bool, filter: Filter, budget: &Budget) -> Result<Texture, String> {
+    let picture = picture(bytes, budget)?;
     let (width, height) = (picture.width(), picture.height());
     let mut texels = Vec::new();
     let count = u64::from(width) * u64::from(height);
@@ -38,7 +48,7 @@ pub(super) fn mean(texture: &Texture) -> Vec3 {
     (sum / texture.texels.len().max(1) as f64).as_vec3()
 }
 
-fn picture(bytes: &[u8]) -> Result<DynamicImage, String> {
+fn picture(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, String> {
     let open = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string());
     // Formats other than PNG and JPEG are not compiled in, so `image` names them in its error.
     let size = open()?.into_dimensions().map_err(|e| e.to_string())?;
@@ -46,6 +56,9 @@ fn picture(bytes: &[u8]) -> Result<DynamicImage, String> {
     if size.0 > MAX_SIDE || size.1 > MAX_SIDE || texels > MAX_TEXELS || texels == 0 {
         return Err(format!("{} x {} pixels; 1 to {MAX_SIDE} on a side, {MAX_TEXELS} in all are read", size.0, size.1));
     }
+    // Each texel as read, as three colours and as three numbers.
+    let wanted = texels * TEXEL_BYTES;
+    budget.afford(wanted, || format!("{} x {} pixels", size.0, size.1)).map_err(|e| e.to_string())?;
     let mut reader = open()?;
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
@@ -67,6 +80,11 @@ fn linear(v: f64, is_srgb: bool) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::LoadOptions;
+
+    fn decode(bytes: &[u8], name: &str, srgb: bool, filter: Filter) -> Result<Texture, String> {
+        super::decode(bytes, name, srgb, filter, &Budget::new(&LoadOptions::default()))
+    }
 
     fn png(picture: &DynamicImage) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -96,5 +114,10 @@ mod tests {
         assert!(decode(b"BM no image", "t", true, Filter::Nearest).is_err());
         let whole = png(&image::RgbImage::new(64, 64).into());
         assert!(decode(&whole[..whole.len() / 2], "t", true, Filter::Nearest).is_err());
+        // 64 x 64 texels of 26 bytes while they are decoded, of 12 afterwards.
+        let budget = Budget::new(&LoadOptions { memory: 64 * 64 * 26, ..LoadOptions::default() });
+        assert!(keep(&whole, "t", true, Filter::Nearest, &budget).is_ok());
+        let refusal = keep(&whole, "t", true, Filter::Nearest, &budget).expect_err("no room for a second one");
+        assert!(refusal.contains("64 x 64 pixels") && refusal.contains("wants 155648 bytes"), "{refusal}");
     }
 }

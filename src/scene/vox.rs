@@ -18,6 +18,7 @@
 mod check;
 mod graph;
 
+use super::budget::Budget;
 use super::load::{read_bytes, stem};
 use super::{Bsdf, Material, SceneParts};
 use crate::error::{Error, Result};
@@ -37,20 +38,20 @@ const MAX_NAMED: usize = 8;
 ///
 /// # Errors
 /// The file cannot be read; its structure is broken, with the byte; it has no voxel; the models spread over more than
-/// [`SolidVoxels::MAX_RESOLUTION`] voxels along an axis or [`SolidVoxels::MAX_VOXELS`] in all.
-pub(super) fn read(path: &Path) -> Result<SceneParts> {
+/// [`SolidVoxels::MAX_RESOLUTION`] voxels along an axis or [`SolidVoxels::MAX_VOXELS`] in all, or take more than `budget`.
+pub(super) fn read(path: &Path, budget: &Budget) -> Result<SceneParts> {
     let bytes = read_bytes(path)?;
     check::check(&bytes).map_err(|cause| Error::malformed(path, cause))?;
     let data = dot_vox::load_bytes(&bytes).map_err(|cause| Error::malformed(path, cause))?;
     drop(bytes);
     let mut notes = Vec::new();
-    let parts = parts(&data, &mut notes).map_err(|cause| Error::malformed(path, cause))?;
+    let parts = parts(&data, &mut notes, budget).map_err(|cause| Error::malformed(path, cause))?;
     let notes = notes.into_iter().map(|note| format!("{}: {note}", path.display()));
     Ok(SceneParts { name: stem(path), notes: notes.collect(), ..parts })
 }
 
 /// The error is the cause.
-fn parts(data: &DotVoxData, notes: &mut Vec<String>) -> std::result::Result<SceneParts, String> {
+fn parts(data: &DotVoxData, notes: &mut Vec<String>, budget: &Budget) -> std::result::Result<SceneParts, String> {
     let placed = graph::placed(data, notes)?;
     let total: u64 = placed.iter().map(|p| data.models[p.model].voxels.len() as u64).sum();
     if total > MAX_PLACED {
@@ -76,6 +77,9 @@ fn parts(data: &DotVoxData, notes: &mut Vec<String>) -> std::result::Result<Scen
     if min.abs().max(max.abs()).max_element() > 1 << 23 {
         return Err(format!("the models lie between {min} and {max}, too far from the origin"));
     }
+    // A byte for each voxel, four for each face of a solid one.
+    let wanted = voxels as u64 + 24 * total.min(voxels as u64);
+    budget.take(wanted, || format!("models spread over {size} voxels")).map_err(|e| e.to_string())?;
     let mut materials = Vec::new();
     let mut bytes: Vec<u8> = Vec::new();
     bytes.try_reserve_exact(voxels as usize).map_err(|_| format!("no memory for {voxels} voxels"))?;

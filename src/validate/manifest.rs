@@ -1,6 +1,7 @@
 //! `reference/manifest.toml`: which scenes were rendered by which program, how, and what deviation is allowed.
 
 use crate::error::{Error, Result};
+use crate::picture::io::read_bytes;
 use serde::Deserialize;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -102,7 +103,7 @@ impl Manifest {
     /// says which.
     pub fn read(path: impl AsRef<Path>) -> Result<Manifest> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        let text = String::from_utf8(read_bytes(path)?).map_err(|e| Error::malformed(path, e.to_string()))?;
         let mut manifest: Manifest = toml::from_str(&text).map_err(|e| Error::malformed(path, located(&text, &e)))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut names = HashSet::new();

@@ -1,10 +1,12 @@
 //! One test program: behaviour through the public interface.
+mod bad_input;
 mod bezier;
 mod bsp;
 mod cli;
 mod conformance;
 mod exactness;
 mod export;
+mod fuzz;
 mod malformed;
 mod mesh_files;
 mod papers;

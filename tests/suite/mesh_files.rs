@@ -201,7 +201,7 @@ fn deep_and_shared_node_graphs_end() {
 #[test]
 fn coordinates_that_are_not_finite_are_refused_or_dropped() {
     let folder = folder("finite");
-    let drop = LoadOptions { drop_invalid: true };
+    let drop = LoadOptions { drop_invalid: true, ..LoadOptions::default() };
     let mut bytes: Vec<u8> = Vec::new();
     for v in [f32::NAN, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
         bytes.extend(v.to_le_bytes());

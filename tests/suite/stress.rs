@@ -252,7 +252,7 @@ fn every_kind_of_lie_is_caught_in_its_column() {
     type Column = fn(&Tally) -> u64;
     let lies: [(Lie, &str, Column); 9] = [
         (Lie::Miss, "wt_sphere_rand", |t| t.missed),
-        (Lie::Invent, "soup", |t| t.false_hits),
+        (Lie::Invent, "inplane_lattice", |t| t.false_hits),
         (Lie::NextPrimitive, "soup", |t| t.outside),
         (Lie::OneUlp, "wt_sphere_rand", |t| t.beyond.min(t.not_rounded)),
         (Lie::NotFinite, "wt_sphere_rand", |t| t.not_finite),

@@ -2,7 +2,9 @@
 
 mod order;
 
-use super::{Attributes, MAX_DECODED_BYTES, blank, check_declared, check_size, read_bytes, replace_file, too_large};
+use super::{
+    Attributes, Declared, MAX_DECODED_BYTES, blank, check_declared, check_size, read_bytes, replace_file, too_large,
+};
 use crate::error::{Error, Result};
 use crate::picture::Picture;
 use exr::block::reader::Reader;
@@ -115,7 +117,10 @@ fn decode_part(path: &Path, bytes: &[u8]) -> Result<Part> {
     }
     let Vec2(width, height) = header.layer_size;
     let bytes_per_pixel = header.channels.bytes_per_pixel as u64;
-    check_declared(path, width as u64, height as u64, bytes_per_pixel)?;
+    // PXR24 keeps three of four bytes. In memory: the samples, and as much for a block that is the whole picture.
+    let (file, bits_per_pixel) = (bytes.len() as u64, 6 * bytes_per_pixel);
+    let (width, height) = (width as u64, height as u64);
+    check_declared(path, &Declared { width, height, bits_per_pixel, bytes_per_pixel: 2 * bytes_per_pixel, file })?;
     let block = header.max_block_pixel_size();
     let block_bytes = (block.0 as u64).saturating_mul(block.1 as u64).saturating_mul(bytes_per_pixel);
     if block_bytes > MAX_DECODED_BYTES {
@@ -140,8 +145,8 @@ fn channel<'a>(part: &'a Part, name: &str) -> Option<&'a AnyChannel<FlatSamples>
 
 fn picture(path: &Path, part: &Part, names: &[&str; 3]) -> Result<Picture> {
     let Vec2(width, height) = part.size;
-    let pixels = check_declared(path, width as u64, height as u64, 12)?;
-    // check_declared refuses sides beyond u32.
+    // Checked with the header: sides fit in u32.
+    let pixels = width * height;
     let mut picture = blank(path, width as u32, height as u32, pixels)?;
     for (c, name) in names.iter().enumerate() {
         let Some(found) = channel(part, name) else {

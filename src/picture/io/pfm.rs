@@ -1,6 +1,6 @@
 //! Portable float maps: three text lines, then rows of f32 from the bottom.
 
-use super::{blank, check_declared};
+use super::{Declared, blank, check_declared};
 use crate::error::{Error, Result};
 use crate::picture::Picture;
 use std::path::Path;
@@ -31,7 +31,12 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Picture> {
     if !scale.is_finite() || scale == 0.0 {
         return Err(Error::malformed(path, format!("scale {scale} has no sign to tell the byte order")));
     }
-    let pixels = check_declared(path, u64::from(width), u64::from(height), 12)?;
+    let bits = 32 * channels as u64;
+    let (width64, height64, file) = (u64::from(width), u64::from(height), bytes.len() as u64);
+    let pixels = check_declared(
+        path,
+        &Declared { width: width64, height: height64, bits_per_pixel: bits, bytes_per_pixel: 0, file },
+    )?;
     let data = &bytes[at..];
     let wanted = pixels * channels * 4;
     if data.len() < wanted {

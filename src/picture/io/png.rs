@@ -1,6 +1,6 @@
 //! PNG through the `image` crate.
 
-use super::{MAX_DECODED_BYTES, PngEncoding, blank, check_declared};
+use super::{Declared, MAX_DECODED_BYTES, PngEncoding, blank, check_declared};
 use crate::error::{Error, Result};
 use crate::picture::{Picture, srgb};
 use image::codecs::png::{PngDecoder, PngEncoder};
@@ -17,14 +17,43 @@ pub(super) fn encode(path: &Path, picture: &Picture) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The file with one more text behind its header. Layout: PNG specification, third edition, sections 5.3 and 11.3.3.2.
+pub(super) fn with_text(mut file: Vec<u8>, name: &str, text: &str) -> Vec<u8> {
+    /// Signature, then the chunk `IHDR`: length, type, 13 bytes, checksum.
+    const HEADER: usize = 8 + 4 + 4 + 13 + 4;
+    let body = [b"tEXt", name.as_bytes(), b"\0", text.as_bytes()].concat();
+    // The length is that of the content alone; texts are short.
+    let length = (body.len() - 4) as u32;
+    let chunk = [&length.to_be_bytes(), body.as_slice(), &checksum(&body).to_be_bytes()].concat();
+    file.splice(HEADER..HEADER, chunk);
+    file
+}
+
+/// CRC-32 with the polynomial of IEEE 802.3, bit by bit.
+fn checksum(bytes: &[u8]) -> u32 {
+    let step = |crc: u32| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), |crc, _| step(crc)))
+}
+
 pub(super) fn decode(path: &Path, bytes: &[u8], encoding: PngEncoding) -> Result<Picture> {
     let fail = |e: image::ImageError| Error::malformed(path, e.to_string());
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(fail)?;
     let (width, height) = decoder.dimensions();
-    let bytes_per_pixel = u64::from(decoder.color_type().bytes_per_pixel());
-    let pixels = check_declared(path, u64::from(width), u64::from(height), bytes_per_pixel)?;
+    // As decoded, and as three channels of the same depth. A pixel takes a bit in the file at least.
+    let decoded = decoder.color_type();
+    let three = 3 * u64::from(decoded.bytes_per_pixel() / decoded.channel_count());
+    let pixels = check_declared(
+        path,
+        &Declared {
+            width: width.into(),
+            height: height.into(),
+            bits_per_pixel: decoder.original_color_type().bits_per_pixel().into(),
+            bytes_per_pixel: u64::from(decoded.bytes_per_pixel()) + three,
+            file: bytes.len() as u64,
+        },
+    )?;
     let linear = match encoding {
         PngEncoding::Linear => true,
         PngEncoding::Srgb => false,
@@ -67,4 +96,26 @@ fn declares_linear(bytes: &[u8]) -> bool {
 
 fn light(value: f32, linear: bool) -> f32 {
     if linear { value } else { srgb::decode(f64::from(value)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checksums_are_those_of_the_standard() {
+        // The check value of CRC-32/ISO-HDLC; and the empty chunk that ends every PNG file.
+        assert_eq!(checksum(b"123456789"), 0xcbf4_3926);
+        assert_eq!(checksum(b"IEND"), 0xae42_6082);
+    }
+
+    #[test]
+    fn a_file_with_a_text_is_still_a_picture() {
+        let picture = Picture { width: 2, height: 1, pixels: vec![[0.0, 1.0, 0.0], [1.0; 3]] };
+        let path = Path::new("a.png");
+        let file = with_text(encode(path, &picture).expect("a picture"), "partial", "1 of 2");
+        assert_eq!(decode(path, &file, PngEncoding::Declared).expect("a picture"), picture);
+        let reader = ::image::codecs::png::PngDecoder::new(Cursor::new(&file));
+        assert!(reader.is_ok() && file.windows(15).any(|w| w == b"tEXtpartial\x001 o"));
+    }
 }

@@ -3,7 +3,7 @@
 use super::{Reader, schema};
 use crate::error::{Error, Result};
 use crate::scene::load::read_bytes;
-use crate::scene::texture::decode;
+use crate::scene::texture::keep;
 use crate::scene::{Bsdf, Camera, CameraSource, Filter, Light, Material, RenderDefaults, SceneParts, Texture};
 use glam::{DVec3, Vec3};
 use toml::Spanned;
@@ -56,7 +56,8 @@ impl Reader<'_> {
         };
         let path = self.beside(&file);
         let bytes = read_bytes(&path)?;
-        decode(&bytes, &name, srgb.unwrap_or(true), filter).map_err(|cause| Error::malformed(&path, cause))
+        keep(&bytes, &name, srgb.unwrap_or(true), filter, &self.loading.budget)
+            .map_err(|cause| Error::malformed(&path, cause))
     }
 
     pub(super) fn material(&self, material: Spanned<schema::Material>, parts: &SceneParts) -> Result<Material> {

@@ -2,9 +2,9 @@
 
 use super::schema::{Place, Scale};
 use super::{Reader, schema};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Sphere;
-use crate::scene::load::read_mesh_file;
+use crate::scene::load::{drop_invalid, read_mesh_file};
 use crate::scene::procedural::{self, Options};
 use crate::scene::transform::{apply, is_regular, make_normals_unit, placement};
 use crate::scene::{Bsdf, Material, Mesh, SceneParts};
@@ -15,6 +15,10 @@ impl Reader<'_> {
     pub(super) fn sphere(&self, sphere: Spanned<schema::Sphere>, parts: &mut SceneParts) -> Result<()> {
         let at = sphere.span().start;
         let schema::Sphere { centre, radius, material } = sphere.into_inner();
+        if self.loading.drop_invalid && !(Vec3::from_array(centre).is_finite() && radius.is_finite()) {
+            parts.warnings.push(self.fail(at, "dropped a sphere that is not finite").to_string());
+            return Ok(());
+        }
         let centre = self.point(at, "centre", centre)?;
         if !(radius > 0.0 && radius.is_finite()) {
             return Err(self.fail(at, format!("radius {radius} is not above 0")));
@@ -54,8 +58,12 @@ impl Reader<'_> {
     pub(super) fn triangles(&self, triangles: Spanned<schema::Triangles>, parts: &mut SceneParts) -> Result<()> {
         let at = triangles.span().start;
         let schema::Triangles { positions, indices, normals, uvs, material } = triangles.into_inner();
+        let keep = self.loading.drop_invalid;
         let vectors = |what: &str, list: Vec<[f32; 3]>| {
-            let each = |(i, v): (usize, [f32; 3])| self.point(at, &format!("{what} {i}"), v);
+            let each = |(i, v): (usize, [f32; 3])| match keep {
+                true => Ok(Vec3::from_array(v)),
+                false => self.point(at, &format!("{what} {i}"), v),
+            };
             list.into_iter().enumerate().map(each).collect::<Result<Vec<Vec3>>>()
         };
         let mut mesh = Mesh {
@@ -66,7 +74,7 @@ impl Reader<'_> {
             uvs: uvs.into_iter().map(Vec2::from_array).collect(),
             material: self.material_index(material.as_ref(), parts)?,
         };
-        if let Some(i) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
+        if let Some(i) = mesh.uvs.iter().position(|uv| !uv.is_finite() && !keep) {
             return Err(self.fail(at, format!("uv {i}: {} is not finite", mesh.uvs[i])));
         }
         let count = mesh.positions.len();
@@ -78,16 +86,26 @@ impl Reader<'_> {
                 return Err(self.fail(at, format!("{n} {what} for {count} positions")));
             }
         }
+        self.drop_invalid(at, &mut mesh, parts);
         make_normals_unit(&mut mesh);
         parts.meshes.push(mesh);
         Ok(())
+    }
+
+    /// Drops what is not finite, with a warning.
+    fn drop_invalid(&self, at: usize, mesh: &mut Mesh, parts: &mut SceneParts) {
+        let dropped = drop_invalid(mesh);
+        if dropped > 0 {
+            let cause = format!("dropped {dropped} triangles of `{}` that are not finite", mesh.name);
+            parts.warnings.push(self.fail(at, cause).to_string());
+        }
     }
 
     pub(super) fn mesh(&self, mesh: Spanned<schema::Mesh>, parts: &mut SceneParts) -> Result<()> {
         let at = mesh.span().start;
         let schema::Mesh { file, material, smooth, scale, rotate, translate } = mesh.into_inner();
         let (transform, _) = self.placement(at, Place { scale, rotate, translate })?;
-        let mut read = read_mesh_file(&self.beside(&file), self.options)?;
+        let mut read = read_mesh_file(&self.beside(&file), self.loading)?;
         let replacement = material.as_ref().map(|m| self.material_index(Some(m), parts)).transpose()?;
         if read.materials.is_empty() {
             read.materials.push(Material::grey());
@@ -119,8 +137,9 @@ impl Reader<'_> {
         let p = procedural.into_inner();
         let (transform, scale) =
             self.placement(at, Place { scale: p.scale, rotate: p.rotate, translate: p.translate })?;
-        let options = Options { n: p.n, depth: p.depth, seed: p.seed, sides: p.sides };
-        let body = procedural::body(&p.kind, &options).map_err(|e| self.fail(at, format!("procedural: {e}")))?;
+        let options = Options { n: p.n, depth: p.depth, seed: p.seed, sides: p.sides, ..Options::default() };
+        let fail = |e: Error| self.fail(at, format!("procedural: {e}"));
+        let body = procedural::body(&p.kind, &options, &self.loading.budget).map_err(fail)?;
         let mut materials = Vec::new();
         for name in &p.materials {
             materials.push(self.material_index(Some(name), parts)?);
@@ -176,6 +195,9 @@ impl Reader<'_> {
 
     fn place(&self, at: usize, mut mesh: Mesh, transform: &DAffine3, parts: &mut SceneParts) -> Result<()> {
         apply(&mut mesh, transform);
+        if self.loading.drop_invalid {
+            self.drop_invalid(at, &mut mesh, parts);
+        }
         if let Some(p) = mesh.positions.iter().find(|p| !p.is_finite()) {
             return Err(self.fail(at, format!("the placement moves a vertex of `{}` to {p}", mesh.name)));
         }

@@ -1,6 +1,7 @@
 //! Reads the elements of accessors whose layout was checked.
 
 use crate::error::{Error, Result};
+use crate::scene::budget::Budget;
 use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Accessor, Root};
@@ -12,6 +13,7 @@ pub(super) struct Data<'a> {
     pub path: &'a Path,
     pub root: &'a Root,
     pub buffers: &'a [Cow<'a, [u8]>],
+    pub budget: &'a Budget,
 }
 
 /// Bytes of an element; columns of matrices start at multiples of four.
@@ -111,6 +113,8 @@ impl Data<'_> {
     fn reserve<T>(&self, a: usize, accessor: &Accessor) -> Result<Vec<T>> {
         let mut list = Vec::new();
         let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
+        let bytes = accessor.count.0.saturating_mul(size_of::<T>() as u64);
+        self.budget.take(bytes, || format!("{}: accessors[{a}]: {count} elements", self.path.display()))?;
         list.try_reserve_exact(count).map_err(|_| self.fail(a, format_args!("no memory for {count} elements")))?;
         Ok(list)
     }

@@ -1,6 +1,7 @@
 //! Takes GLB files apart, and fetches buffers and images from the file, data URIs and files beside it.
 
 use crate::error::{Error, Result};
+use crate::scene::budget::Budget;
 use crate::scene::load::read_bytes;
 use ::gltf::json::{Image, Root};
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -57,7 +58,12 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 /// The content of all buffers, at least as long as stated.
-pub(super) fn buffers<'a>(path: &Path, root: &Root, blob: Option<&'a [u8]>) -> Result<Vec<Cow<'a, [u8]>>> {
+pub(super) fn buffers<'a>(
+    path: &Path,
+    root: &Root,
+    blob: Option<&'a [u8]>,
+    budget: &Budget,
+) -> Result<Vec<Cow<'a, [u8]>>> {
     let each = |(i, buffer): (usize, &::gltf::json::Buffer)| {
         let fail = |cause: String| Error::malformed(path, format!("buffers[{i}]: {cause}"));
         let content: Cow<[u8]> = match (&buffer.uri, blob) {
@@ -65,6 +71,9 @@ pub(super) fn buffers<'a>(path: &Path, root: &Root, blob: Option<&'a [u8]>) -> R
             (None, Some(blob)) if i == 0 => Cow::Borrowed(blob),
             (None, _) => return Err(fail("has neither a URI nor a binary chunk".into())),
         };
+        if let Cow::Owned(bytes) = &content {
+            budget.take(bytes.len() as u64, || format!("{}: buffers[{i}]", path.display()))?;
+        }
         let stated = buffer.byte_length.0;
         if (content.len() as u64) < stated {
             return Err(fail(format!("{stated} bytes are stated, {} are there", content.len())));

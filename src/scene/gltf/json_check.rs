@@ -1,7 +1,7 @@
 //! Checks the document by itself: version, extensions, references, and that views and accessors fit.
 
 use super::Notices;
-use super::accessor::{Data, element_bytes};
+use super::accessor::element_bytes;
 use crate::error::{Error, Result};
 use ::gltf::json::mesh::Semantic;
 use ::gltf::json::validation::{Checked, Error as Defect, Validate};
@@ -45,8 +45,7 @@ pub(super) fn check(path: &Path, root: &Root, notices: &mut Notices) -> Result<(
     }
     validate(path, root, notices)?;
     views(path, root)?;
-    let data = Data { path, root, buffers: &[] };
-    (0..root.accessors.len()).try_for_each(|a| data.check_layout(a))
+    (0..root.accessors.len()).try_for_each(|a| check_layout(path, root, a))
 }
 
 /// References within the document and enumerations, by the library.
@@ -82,54 +81,52 @@ fn views(path: &Path, root: &Root) -> Result<()> {
     Ok(())
 }
 
-impl Data<'_> {
-    /// The accessor's elements lie in its view and are aligned. Source: glTF 2.0 specification, section 3.6.2.4.
-    fn check_layout(&self, a: usize) -> Result<()> {
-        let accessor = &self.root.accessors[a];
-        let fail = |cause: String| Err(Error::malformed(self.path, format!("accessors[{a}]: {cause}")));
-        let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_) else {
-            return fail("unknown component type or type".into());
-        };
-        let (element, component) = (element_bytes(component.0, kind), component.0.size() as u64);
-        let (offset, count) = (accessor.byte_offset.map_or(0, |o| o.0), accessor.count.0);
-        if let Some(view) = accessor.buffer_view.and_then(|v| self.root.buffer_views.get(v.value())) {
-            let stride = view.byte_stride.map_or(element, |s| s.0 as u64);
-            let start = view.byte_offset.map_or(0, |o| o.0);
-            // The view's own range was checked, so this sum cannot overflow unless the offset is absurd.
-            let aligned = offset.is_multiple_of(component) && start.wrapping_add(offset).is_multiple_of(component);
-            if !aligned {
-                return fail(format!("starts at byte {offset} of a view at {start}; must be multiples of {component}"));
-            }
-            if stride < element {
-                return fail(format!("elements of {element} bytes at a stride of {stride}"));
-            }
-            let last = count.checked_sub(1).and_then(|n| n.checked_mul(stride));
-            let end = last.and_then(|l| l.checked_add(element)).and_then(|e| e.checked_add(offset));
-            if count > 0 && end.is_none_or(|end| end > view.byte_length.0) {
-                let have = view.byte_length.0;
-                return fail(format!("{count} elements of {element} bytes from byte {offset}, of a view of {have}"));
-            }
-        } else if count > MAX_WITHOUT_DATA {
-            return fail(format!("{count} elements without a buffer view, at most {MAX_WITHOUT_DATA} are read"));
+/// The accessor's elements lie in its view and are aligned. Source: glTF 2.0 specification, section 3.6.2.4.
+fn check_layout(path: &Path, root: &Root, a: usize) -> Result<()> {
+    let accessor = &root.accessors[a];
+    let fail = |cause: String| Err(Error::malformed(path, format!("accessors[{a}]: {cause}")));
+    let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_) else {
+        return fail("unknown component type or type".into());
+    };
+    let (element, component) = (element_bytes(component.0, kind), component.0.size() as u64);
+    let (offset, count) = (accessor.byte_offset.map_or(0, |o| o.0), accessor.count.0);
+    if let Some(view) = accessor.buffer_view.and_then(|v| root.buffer_views.get(v.value())) {
+        let stride = view.byte_stride.map_or(element, |s| s.0 as u64);
+        let start = view.byte_offset.map_or(0, |o| o.0);
+        // The view's own range was checked, so this sum cannot overflow unless the offset is absurd.
+        let aligned = offset.is_multiple_of(component) && start.wrapping_add(offset).is_multiple_of(component);
+        if !aligned {
+            return fail(format!("starts at byte {offset} of a view at {start}; must be multiples of {component}"));
         }
-        let Some(sparse) = &accessor.sparse else { return Ok(()) };
-        let Checked::Valid(index) = sparse.indices.component_type else {
-            return fail("unknown component type of sparse indices".into());
-        };
-        let parts = [
-            ("sparse indices", sparse.indices.buffer_view, sparse.indices.byte_offset.0, index.0.size() as u64),
-            ("sparse values", sparse.values.buffer_view, sparse.values.byte_offset.0, element),
-        ];
-        for (what, view, offset, element) in parts {
-            let have = self.root.buffer_views.get(view.value()).map_or(0, |v| v.byte_length.0);
-            let end = sparse.count.0.checked_mul(element).and_then(|n| n.checked_add(offset));
-            if sparse.count.0 > count || end.is_none_or(|end| end > have) {
-                let n = sparse.count.0;
-                return fail(format!("{n} {what} of {element} bytes from byte {offset}, of a view of {have}"));
-            }
+        if stride < element {
+            return fail(format!("elements of {element} bytes at a stride of {stride}"));
         }
-        Ok(())
+        let last = count.checked_sub(1).and_then(|n| n.checked_mul(stride));
+        let end = last.and_then(|l| l.checked_add(element)).and_then(|e| e.checked_add(offset));
+        if count > 0 && end.is_none_or(|end| end > view.byte_length.0) {
+            let have = view.byte_length.0;
+            return fail(format!("{count} elements of {element} bytes from byte {offset}, of a view of {have}"));
+        }
+    } else if count > MAX_WITHOUT_DATA {
+        return fail(format!("{count} elements without a buffer view, at most {MAX_WITHOUT_DATA} are read"));
     }
+    let Some(sparse) = &accessor.sparse else { return Ok(()) };
+    let Checked::Valid(index) = sparse.indices.component_type else {
+        return fail("unknown component type of sparse indices".into());
+    };
+    let parts = [
+        ("sparse indices", sparse.indices.buffer_view, sparse.indices.byte_offset.0, index.0.size() as u64),
+        ("sparse values", sparse.values.buffer_view, sparse.values.byte_offset.0, element),
+    ];
+    for (what, view, offset, element) in parts {
+        let have = root.buffer_views.get(view.value()).map_or(0, |v| v.byte_length.0);
+        let end = sparse.count.0.checked_mul(element).and_then(|n| n.checked_add(offset));
+        if sparse.count.0 > count || end.is_none_or(|end| end > have) {
+            let n = sparse.count.0;
+            return fail(format!("{n} {what} of {element} bytes from byte {offset}, of a view of {have}"));
+        }
+    }
+    Ok(())
 }
 
 /// Sparse accessors without a view are zeros, however many the file states.

@@ -22,7 +22,7 @@ pub(super) struct Materials {
 
 /// Reads all materials, in the document's order, and the textures that they use; then the grey one.
 pub(super) fn read_all(data: &Data, parts: &mut SceneParts, notices: &mut Notices) -> Materials {
-    let mut textures = Textures { data, kept: HashMap::new() };
+    let mut textures = Textures { data, kept: HashMap::new(), means: HashMap::new() };
     let mut coordinates = Vec::new();
     for (i, material) in data.root.materials.iter().enumerate() {
         let name = material.name.clone().unwrap_or_else(|| format!("material {i}"));
@@ -57,6 +57,8 @@ struct Textures<'a> {
     data: &'a Data<'a>,
     /// Textures of the scene by texture of the document; `None`: not usable.
     kept: HashMap<usize, Option<u32>>,
+    /// Means by image of the document, and whether its values are sRGB; `None`: not usable.
+    means: HashMap<(usize, bool), Option<Vec3>>,
 }
 
 impl Textures<'_> {
@@ -96,7 +98,7 @@ impl Textures<'_> {
         (Bsdf::Lambert { albedo: base, texture }, set)
     }
 
-    fn emission(&self, material: &json::Material, notices: &mut Notices) -> Vec3 {
+    fn emission(&mut self, material: &json::Material, notices: &mut Notices) -> Vec3 {
         let factor = Vec3::from_array(material.emissive_factor.0);
         if factor == Vec3::ZERO {
             return factor;
@@ -115,7 +117,10 @@ impl Textures<'_> {
         if let Some(&known) = self.kept.get(&t) {
             return known;
         }
-        let texture = self.decode(t, true, notices);
+        let texture = self.decode(t, true, notices).filter(|texture| {
+            let room = self.data.budget.take_texture(texture);
+            room.map_err(|cause| notices.warn(format_args!("textures[{t}] is left out: {cause}"))).is_ok()
+        });
         let index = texture.map(|texture| {
             parts.textures.push(texture);
             parts.textures.len() as u32 - 1
@@ -125,9 +130,13 @@ impl Textures<'_> {
     }
 
     /// The mean of a texture, linear RGB; white where there is none.
-    fn mean_of(&self, info: Option<&Info>, srgb: bool, notices: &mut Notices) -> Vec3 {
-        let texture = info.and_then(|info| self.decode(info.index.value(), srgb, notices));
-        texture.map_or(Vec3::ONE, |t| mean(&t))
+    fn mean_of(&mut self, info: Option<&Info>, srgb: bool, notices: &mut Notices) -> Vec3 {
+        let Some(t) = info.map(|info| info.index.value()) else { return Vec3::ONE };
+        let Some(image) = self.data.root.textures.get(t).map(|t| t.source.value()) else { return Vec3::ONE };
+        let known = self.means.get(&(image, srgb)).copied();
+        let mean = known.unwrap_or_else(|| self.decode(t, srgb, notices).map(|texture| mean(&texture)));
+        self.means.insert((image, srgb), mean);
+        mean.unwrap_or(Vec3::ONE)
     }
 
     /// A texture that cannot be had is white, with a warning.
@@ -145,7 +154,8 @@ impl Textures<'_> {
         let image = root.images.get(i)?;
         let label = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")).or(image.name.as_deref());
         let label = label.map_or_else(|| format!("image {i}"), str::to_owned);
-        let decoded = container::image(self.data, image).and_then(|bytes| decode(&bytes, &label, srgb, filter));
+        let decoded =
+            container::image(self.data, image).and_then(|bytes| decode(&bytes, &label, srgb, filter, self.data.budget));
         decoded.map_err(|cause| notices.warn(format_args!("images[{i}] `{label}` is left out: {cause}"))).ok()
     }
 }

@@ -89,8 +89,15 @@ fn triangles(
 ) -> Result<Vec<[u32; 3]>> {
     let order = match primitive.indices {
         Some(indices) => data.indices(indices.value())?,
-        None => (0..count as u32).collect(),
+        None => {
+            let bytes = 4 * count as u64;
+            data.budget.take(bytes, || format!("{}: {place}: {count} corners", data.path.display()))?;
+            (0..count as u32).collect()
+        }
     };
+    // A strip or fan makes a triangle of almost every corner.
+    let bytes = size_of::<[u32; 3]>() as u64 * order.len() as u64;
+    data.budget.take(bytes, || format!("{}: {place}: {} corners", data.path.display(), order.len()))?;
     if let Some((i, vertex)) = order.iter().enumerate().find(|&(_, &v)| v as usize >= count) {
         return Err(Error::malformed(data.path, format!("{place}: index {i} refers to vertex {vertex} of {count}")));
     }

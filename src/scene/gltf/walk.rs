@@ -126,6 +126,9 @@ impl Walk<'_, '_> {
                 let cause = format!("nodes[{n}]: more than {MAX_VERTICES} vertices and triangles with all instances");
                 return Err(Error::malformed(self.data.path, cause));
             }
+            let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
+            let what = || format!("{}: nodes[{n}]: an instance of mesh {m}", self.data.path.display());
+            self.data.budget.take_mesh(vertices, triangles, what)?;
             let mut placed = mesh.clone();
             apply(&mut placed, transform);
             self.parts.meshes.push(placed);

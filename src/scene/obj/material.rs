@@ -1,13 +1,14 @@
 //! Makes materials of what `tobj` read from MTL files; the rule is stated in the parent module.
 
+use crate::scene::budget::Budget;
 use crate::scene::load::read_bytes;
-use crate::scene::texture::decode;
+use crate::scene::texture::keep;
 use crate::scene::{Bsdf, Filter, Material, SceneParts};
 use glam::Vec3;
 use std::path::Path;
 
 /// Adds a material of the MTL file `path`, and its texture, to `parts`.
-pub(super) fn add(written: &tobj::Material, path: &Path, parts: &mut SceneParts) {
+pub(super) fn add(written: &tobj::Material, path: &Path, parts: &mut SceneParts, budget: &Budget) {
     let name = &written.name;
     let tr = || written.unknown_param.get("Tr").and_then(|text| text.parse::<f32>().ok()).map(|tr| 1.0 - tr);
     let is_transparent = written.dissolve.or_else(tr).is_some_and(|d| d < 0.5);
@@ -28,7 +29,7 @@ pub(super) fn add(written: &tobj::Material, path: &Path, parts: &mut SceneParts)
             let default = Vec3::splat(if written.diffuse_texture.is_some() { 1.0 } else { 0.5 });
             let albedo = cut("Kd", written.diffuse.map_or(default, Vec3::from_array));
             let map = written.diffuse_texture.as_deref().map(file_name);
-            Bsdf::Lambert { albedo, texture: map.and_then(|file| texture(path, &file, parts)) }
+            Bsdf::Lambert { albedo, texture: map.and_then(|file| texture(path, &file, parts, budget)) }
         }
     };
     let emission = Vec3::from_array(written.emissive.unwrap_or_default()).max(Vec3::ZERO);
@@ -36,14 +37,14 @@ pub(super) fn add(written: &tobj::Material, path: &Path, parts: &mut SceneParts)
 }
 
 /// The index of the texture in `file` beside `path`; a texture that cannot be had is left out, with a warning.
-fn texture(path: &Path, file: &str, parts: &mut SceneParts) -> Option<u32> {
+fn texture(path: &Path, file: &str, parts: &mut SceneParts, budget: &Budget) -> Option<u32> {
     if let Some(known) = parts.textures.iter().position(|t| t.name == file) {
         return Some(known as u32);
     }
     let place = path.parent().unwrap_or(Path::new("")).join(file);
     let bytes = read_bytes(&place).map_err(|e| e.to_string());
     let cause = |cause: String| format!("{}: {cause}", place.display());
-    match bytes.and_then(|bytes| decode(&bytes, file, true, Filter::Bilinear).map_err(cause)) {
+    match bytes.and_then(|bytes| keep(&bytes, file, true, Filter::Bilinear, budget).map_err(cause)) {
         Ok(texture) => {
             parts.textures.push(texture);
             Some(parts.textures.len() as u32 - 1)

@@ -4,6 +4,7 @@ use super::check::{name, parse, printable, split, words};
 use super::{Library, material};
 use crate::error::{Error, Result};
 use crate::scene::SceneParts;
+use crate::scene::budget::Budget;
 use crate::scene::load::read_bytes;
 use std::path::Path;
 
@@ -15,7 +16,7 @@ const MAX_MATERIALS: usize = 1 << 16;
 ///
 /// # Errors
 /// The file cannot be read or is too large, or a number is none.
-pub(super) fn read(path: &Path, parts: &mut SceneParts) -> Result<Library> {
+pub(super) fn read(path: &Path, parts: &mut SceneParts, budget: &Budget) -> Result<Library> {
     let bytes = read_bytes(path)?;
     if bytes.len() > MAX_BYTES {
         return Err(Error::malformed(path, format!("{} bytes, at most {MAX_BYTES} are read", bytes.len())));
@@ -23,7 +24,7 @@ pub(super) fn read(path: &Path, parts: &mut SceneParts) -> Result<Library> {
     let text = check(path, &bytes, MAX_MATERIALS.saturating_sub(parts.materials.len()))?;
     let library = tobj::load_mtl_buf(&mut text.as_bytes()).map_err(|e| Error::malformed(path, e.to_string()))?;
     for written in &library.0 {
-        material::add(written, path, parts);
+        material::add(written, path, parts, budget);
     }
     Ok(library)
 }

@@ -19,6 +19,7 @@ pub(super) const ENTRY: Entry = Entry {
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(80, 3..=8192)?;
+    options.limit(4 * u64::from(n).pow(2))?;
     let mut mesh = patch("bumpy ball", (2 * n, Edge::Closed), (n, Edge::Open), |u, v| {
         // The poles exactly: every sample of a polar row is the same point.
         let (s, c) = match v {

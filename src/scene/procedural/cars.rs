@@ -35,6 +35,8 @@ const OUTLINE: [[f64; 4]; 10] = [
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(4, 1..=10_000)?;
+    // A car has about 4500.
+    options.limit(5000 * u64::from(n))?;
     let mut rng = Random::new(options.seed.unwrap_or(1));
     let (shell, wheels) = (shell(), wheels());
     let in_row = f64::from(n).sqrt().ceil().max(1.0);

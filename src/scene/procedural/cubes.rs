@@ -18,6 +18,7 @@ pub(super) const ENTRY: Entry = Entry {
 /// Cubes of edge 0.4 at spacing 1, centred on the origin; one mesh for each slot.
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(10, 1..=200)?;
+    options.limit(12 * u64::from(n).pow(3))?;
     let place = |i: u32| f64::from(i) - f64::from(n - 1) / 2.0;
     let mut meshes = Vec::new();
     // Cubes with the same i + j + k share a slot, hence a mesh.

@@ -22,6 +22,7 @@ const TUBE: f64 = 0.4;
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(256, 24..=8192)?;
+    options.limit(u64::from(n).pow(2) / 4)?;
     let mesh = patch("knot", (n, Edge::Closed), (n / 8, Edge::Closed), |u, v| {
         let (centre, [side, up]) = frame(TAU * u);
         let (sin, cos) = (TAU * v).sin_cos();

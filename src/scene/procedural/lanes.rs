@@ -19,6 +19,7 @@ pub(super) const ENTRY: Entry = Entry {
 /// Spheres of radius 0.2 at spacing 1, centred on the origin: lanes of width 0.6 are empty from end to end.
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(10, 1..=368)?;
+    options.limit(u64::from(n).pow(3))?;
     let place = |i: u32| i as f32 - (n - 1) as f32 / 2.0;
     let mut spheres = Vec::new();
     for k in 0..n {

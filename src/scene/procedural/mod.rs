@@ -15,7 +15,8 @@ mod teapot_patches;
 mod teapot_stadium;
 mod terrain;
 
-use super::{Bsdf, Camera, CameraSource, Light, Material, Mesh, RenderDefaults, SceneParts};
+use super::budget::Budget;
+use super::{Bsdf, Camera, CameraSource, Light, LoadOptions, Material, Mesh, RenderDefaults, SceneParts};
 use crate::error::{Error, Result};
 use crate::geometry::bezier::ControlPoints;
 use crate::geometry::{SolidVoxels, Sphere};
@@ -37,6 +38,7 @@ pub struct Entry {
     /// Where the scene comes from.
     pub source: &'static str,
     keys: &'static [&'static str],
+    /// At least as many primitives as `body` will make, whatever the values of the options.
     body: fn(&Options) -> Result<Body>,
     stage: fn(&Options) -> Stage,
 }
@@ -79,6 +81,8 @@ pub struct Options {
     pub seed: Option<u64>,
     /// Sides of each cone and cylinder.
     pub sides: Option<u64>,
+    /// Primitives that there is memory for.
+    pub(super) room: Option<u64>,
 }
 
 impl Options {
@@ -88,6 +92,14 @@ impl Options {
 
     fn depth(&self, default: u64, range: RangeInclusive<u64>) -> Result<u32> {
         within("depth", self.depth.unwrap_or(default), range)
+    }
+
+    /// Refuses to make `count` primitives if memory is left for fewer.
+    fn limit(&self, count: u64) -> Result<()> {
+        match self.room {
+            Some(room) if count > room => Err(Error::invalid(format!("{count} primitives, memory is left for {room}"))),
+            _ => Ok(()),
+        }
     }
 
     fn set(&mut self, key: &str, value: u64) {
@@ -135,8 +147,14 @@ struct Stage {
 /// The whole scene that `spec` names: `NAME` or `NAME:key=value,..`.
 ///
 /// # Errors
-/// The name or an option is unknown, or a value is out of range.
+/// The name or an option is unknown, a value is out of range, or the scene would take more memory than
+/// [`LoadOptions::memory`] allows by default.
 pub fn parse(spec: &str) -> Result<SceneParts> {
+    parse_within(spec, &Budget::new(&LoadOptions::default()))
+}
+
+/// As [`parse`], with the memory that is left.
+pub(super) fn parse_within(spec: &str, budget: &Budget) -> Result<SceneParts> {
     let (name, rest) = spec.split_once(':').unwrap_or((spec, ""));
     let entry = find(name).ok_or_else(|| {
         let files = "a file (.toml, .gltf, .glb, .obj, .vox, .npy, .tri, .sph)";
@@ -151,27 +169,27 @@ pub fn parse(spec: &str) -> Result<SceneParts> {
         }
         options.set(key, value.parse().map_err(|_| bad(format!("`{value}` is no whole number from 0 to 2^64 - 1")))?);
     }
-    scene(entry, &options).map_err(|e| Error::invalid(format!("scene `{spec}`: {e}")))
+    scene(entry, &options, budget).map_err(|e| Error::invalid(format!("scene `{spec}`: {e}")))
 }
 
 /// The geometry that `name` makes; materials are slots. Voxels come as meshes, which can be moved.
 ///
 /// # Errors
 /// The name is unknown, or an option is not one of the entry's or out of range.
-pub(super) fn body(name: &str, options: &Options) -> Result<Body> {
+pub(super) fn body(name: &str, options: &Options, budget: &Budget) -> Result<Body> {
     let entry = find(name).ok_or_else(|| Error::invalid(format!("`{name}` is not {}", unknown(name))))?;
     if let Some(key) = options.given().find(|key| !entry.keys.contains(key)) {
         return Err(Error::invalid(format!("`{name}` takes {}, not `{key}`", keys(entry))));
     }
-    let mut body = (entry.body)(options)?;
+    let mut body = made(entry, options, budget)?;
     if let Some(voxels) = body.voxels.take() {
         body.meshes.extend(super::voxels::meshes(&voxels));
     }
     Ok(body)
 }
 
-fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
-    let Body { mut meshes, mut spheres, voxels, mut patches } = (entry.body)(options)?;
+fn scene(entry: &Entry, options: &Options, budget: &Budget) -> Result<SceneParts> {
+    let Body { mut meshes, mut spheres, voxels, mut patches } = made(entry, options, budget)?;
     let Stage { palette, props, lights, environment, camera, defaults } = (entry.stage)(options);
     let colours = palette.len().max(1) as u32;
     meshes.iter_mut().for_each(|m| m.material %= colours);
@@ -187,6 +205,18 @@ fn scene(entry: &Entry, options: &Options) -> Result<SceneParts> {
     let set = SceneParts { materials, lights, environment, camera, defaults, ..SceneParts::default() };
     Ok(SceneParts { name, meshes, spheres, voxels, patches, ..set })
 }
+
+/// The body, if there is memory for it.
+fn made(entry: &Entry, options: &Options, budget: &Budget) -> Result<Body> {
+    let body = (entry.body)(&Options { room: Some(budget.left() / PRIMITIVE_BYTES), ..*options })?;
+    let triangles: usize = body.meshes.iter().map(|m| m.triangles.len()).sum();
+    let primitives = (triangles + body.spheres.len() + body.patches.len()) as u64;
+    budget.take(primitives * PRIMITIVE_BYTES, || format!("`{}`: {primitives} primitives", entry.name))?;
+    Ok(body)
+}
+
+/// About the most bytes for a primitive: three corners and indices of a triangle, and its share of the vertices.
+const PRIMITIVE_BYTES: u64 = 96;
 
 fn find(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|e| e.name == name)
@@ -262,6 +292,10 @@ fn box_mesh(name: &str, corner: impl Fn(bool, bool, bool) -> DVec3) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn body(name: &str, options: &Options) -> Result<Body> {
+        super::body(name, options, &Budget::new(&LoadOptions::default()))
+    }
 
     fn made(spec: &str) -> SceneParts {
         parse(spec).unwrap_or_else(|e| panic!("{e}"))
@@ -375,6 +409,31 @@ mod tests {
         assert_eq!(made("lanes:n=6").spheres.len(), 216);
         assert_eq!(made("random").spheres.len(), 1000);
         assert_eq!(triangles("cornell"), 6 * 2 + 2 * 12);
+    }
+
+    #[test]
+    fn bodies_are_refused_before_they_are_made_if_they_are_too_large() {
+        let little = Budget::new(&LoadOptions { memory: 100 * PRIMITIVE_BYTES, ..LoadOptions::default() });
+        for entry in ENTRIES.iter().filter(|e| e.keys.contains(&"n") && !["terrain", "spd-mount"].contains(&e.name)) {
+            let large = |name: &str| if name.starts_with("spd-") { name.to_owned() } else { format!("{name}:n=200") };
+            let spec = large(entry.name);
+            let message = parse_within(&spec, &little).expect_err(&spec).to_string();
+            assert!(message.contains(&spec) && message.contains("memory is left for 100"), "{message}");
+        }
+        assert!(parse_within("random:n=60", &little).is_ok());
+        assert!(parse_within("random:n=60", &little).is_err(), "what was taken is gone");
+    }
+
+    #[test]
+    fn the_limit_is_asked_for_no_less_than_is_made() {
+        for entry in ENTRIES {
+            let body = (entry.body)(&Options::default()).expect("the usual size");
+            let triangles: usize = body.meshes.iter().map(|m| m.triangles.len()).sum();
+            let all = (triangles + body.spheres.len()) as u64;
+            let bounded = entry.keys.contains(&"n") && !["terrain", "spd-mount"].contains(&entry.name);
+            let refused = (entry.body)(&Options { room: Some(all.saturating_sub(1)), ..Options::default() }).is_err();
+            assert!(refused || !bounded, "{} made {all}", entry.name);
+        }
     }
 
     #[test]

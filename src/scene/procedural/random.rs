@@ -21,6 +21,7 @@ pub(super) const ENTRY: Entry = Entry {
 /// filled whatever n is (spheres may overlap and stick out of the cube).
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(1000, 1..=50_000_000)?;
+    options.limit(n.into())?;
     let mut rng = Random::new(options.seed.unwrap_or(1));
     let largest = 3.0 / f64::from(n).cbrt();
     let spheres = (0..n).map(|i| {

@@ -63,6 +63,7 @@ pub(super) type Bicubic = [[DVec3; 4]; 4];
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(12, 1..=2048)?;
+    options.limit(64 * u64::from(n).pow(2))?;
     Ok(Body { meshes: vec![mesh(n)], ..Body::default() })
 }
 

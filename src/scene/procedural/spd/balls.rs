@@ -2,7 +2,7 @@
 
 use super::super::flakes;
 use super::setting::{Setting, surface};
-use super::{Body, Entry, Options, Stage, limit};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 
 pub(in super::super) const ENTRY: Entry = Entry {
@@ -18,7 +18,7 @@ pub(in super::super) const ENTRY: Entry = Entry {
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(4, 1..=18)?;
-    limit((9_u64.pow(n + 1) - 1) / 8)?;
+    options.limit_size((9_u64.pow(n + 1) - 1) / 8)?;
     Ok(Body { spheres: flakes::spheres(n), ..Body::default() })
 }
 

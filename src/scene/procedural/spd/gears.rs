@@ -1,7 +1,7 @@
 //! Gears: meshed toothed wheels whose faces are concave polygons, some of glass.
 
 use super::setting::{Setting, glass, surface};
-use super::{Body, Entry, Mesh, Options, Stage, limit, quad};
+use super::{Body, Entry, Mesh, Options, Stage, quad};
 use crate::error::Result;
 use crate::scene::Material;
 use glam::DVec3;
@@ -28,7 +28,7 @@ const TRIANGLES: u64 = 2 * (4 * TEETH as u64 - 2) + 2 * 4 * TEETH as u64;
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(4, 1..=1000)?;
-    limit(TRIANGLES * u64::from(n).pow(3) + 2)?;
+    options.limit_size(TRIANGLES * u64::from(n).pow(3) + 2)?;
     let size = f64::from(n);
     let radius = 1.0 / (size - (size - 1.0) * (1.0 - INNER) / 2.0);
     let place = |i: u32| radius - 1.0 + f64::from(i) * radius * (1.0 + INNER);

@@ -3,7 +3,7 @@
 use super::super::patch::append;
 use super::setting::{Setting, surface};
 use super::tube::{End, tube};
-use super::{Body, Entry, Mesh, Options, Stage, limit};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::{DQuat, DVec3, Vec3};
@@ -25,7 +25,7 @@ const FILL: f64 = 0.75;
 fn body(options: &Options) -> Result<Body> {
     let (n, sides) = (options.n(1, 1..=16)?, options.sides()?);
     let jacks = (8_u64.pow(n) - 1) / 7;
-    limit(jacks * (6 + 3 * 2 * u64::from(sides)))?;
+    options.limit_size(jacks * (6 + 3 * 2 * u64::from(sides)))?;
     let turn = DQuat::from_rotation_x((-30_f64).to_radians()) * DQuat::from_rotation_y((-20_f64).to_radians());
     let mut bars = Mesh { name: "bars".into(), ..Mesh::default() };
     let mut spheres = Vec::new();

@@ -3,7 +3,7 @@
 use super::super::patch::append;
 use super::setting::{Setting, surface};
 use super::tube::{End, tube};
-use super::{Body, Entry, Mesh, Options, Stage, limit};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::DVec3;
@@ -26,7 +26,7 @@ const BAR: f64 = 0.0625;
 fn body(options: &Options) -> Result<Body> {
     let (n, sides) = (options.n(12, 1..=1000)?, options.sides()?);
     let nodes = u64::from(n + 1);
-    limit(nodes.pow(3) + 3 * u64::from(n) * nodes.pow(2) * 2 * u64::from(sides))?;
+    options.limit_size(nodes.pow(3) + 3 * u64::from(n) * nodes.pow(2) * 2 * u64::from(sides))?;
     let cell = 1.0 / f64::from(n);
     // Bars end a little inside of the balls.
     let trim = 0.99 * BALL * (1.0 - (BAR / BALL).sqrt());

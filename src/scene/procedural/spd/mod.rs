@@ -95,12 +95,14 @@ pub fn eye_rays(camera: &Camera) -> Vec<Ray> {
 /// Most primitives of a scene, so that no size factor asks for more memory than there is.
 const MOST: u64 = 5_000_000;
 
-/// Refuses sizes that run away; `count` is the number of triangles and spheres, saturated.
-fn limit(count: u64) -> Result<()> {
-    if count > MOST {
-        return Err(Error::invalid(format!("{count} primitives, at most {MOST} are made")));
+impl Options {
+    /// Refuses sizes that run away; `count` is the number of triangles and spheres, saturated.
+    fn limit_size(&self, count: u64) -> Result<()> {
+        if count > MOST {
+            return Err(Error::invalid(format!("{count} primitives, at most {MOST} are made")));
+        }
+        self.limit(count)
     }
-    Ok(())
 }
 
 /// A flat quadrilateral of two triangles; its front has the corners counter-clockwise.

@@ -3,7 +3,7 @@
 use super::super::patch::append;
 use super::setting::{Setting, surface};
 use super::tube::{End, tube};
-use super::{Body, Entry, Mesh, Options, Stage, limit, quad};
+use super::{Body, Entry, Mesh, Options, Stage, quad};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::{DQuat, DVec3};
@@ -32,7 +32,7 @@ fn body(options: &Options) -> Result<Body> {
     let (n, sides) = (options.n(7, 1..=10_000)?, options.sides()?);
     let layers = u64::from(n);
     let joints = 5 * layers * (layers + 1) * (2 * layers + 1);
-    limit(joints * (1 + 2 * u64::from(sides)) + 2)?;
+    options.limit_size(joints * (1 + 2 * u64::from(sides)) + 2)?;
     let rings = rings();
     let mut tubes: Vec<Mesh> =
         (0..6).map(|material| Mesh { name: format!("ring {material}"), material, ..Mesh::default() }).collect();

@@ -1,7 +1,7 @@
 //! Shells: a sea shell after Pickover, thousands of spheres that overlap, pathological on purpose.
 
 use super::setting::{Setting, surface};
-use super::{Body, Entry, Options, Stage, limit};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::DVec3;
@@ -21,7 +21,7 @@ pub(in super::super) const ENTRY: Entry = Entry {
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(5, 1..=50)?;
     let steps = 180_u64 << n;
-    limit(steps + 1)?;
+    options.limit_size(steps + 1)?;
     let sphere = |i: u64| {
         // From -12 pi to 6 pi.
         let angle = 18.0 * PI * (i as f64 / steps as f64 - 2.0 / 3.0);

@@ -2,7 +2,7 @@
 
 use super::super::patch::{Edge, patch};
 use super::setting::{Setting, surface};
-use super::{Body, Entry, Options, Stage, limit};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -21,7 +21,7 @@ pub(in super::super) const ENTRY: Entry = Entry {
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(1, 1..=20)?;
     let samples = 16_u64 << n;
-    limit(2 * (samples - 1) * (samples - 1))?;
+    options.limit_size(2 * (samples - 1) * (samples - 1))?;
     let cells = (16 << n) - 1;
     // The last sample of the function is one step short of 4, as in the original, but the mesh reaches it.
     let place = |u: f64| 8.0 * u - 4.0;

@@ -2,7 +2,7 @@
 
 use super::super::teapot;
 use super::setting::{Setting, surface};
-use super::{Body, Entry, Mesh, Options, Stage, limit};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use glam::Vec3;
 
@@ -22,7 +22,7 @@ fn body(options: &Options) -> Result<Body> {
     let n = options.n(12, 1..=2048)?;
     let steps = u64::from(n);
     // 64 n^2 - 8 n of the pot, 2 n^2 of the board.
-    limit(66 * steps * steps - 8 * steps)?;
+    options.limit_size(66 * steps * steps - 8 * steps)?;
     let mut pot = teapot::mesh(n);
     // Plus zero: no negative zeros.
     let upright = |p: &mut Vec3| *p = Vec3::new(p.x, 0.0 - p.z, p.y);

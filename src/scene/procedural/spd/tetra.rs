@@ -1,7 +1,7 @@
 //! Tetra: Sierpinski's tetrahedron.
 
 use super::setting::{Setting, surface};
-use super::{Body, Entry, Mesh, Options, Stage, limit};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use glam::DVec3;
 
@@ -22,7 +22,7 @@ const CORNERS: [DVec3; 4] =
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(6, 1..=30)?;
-    limit(4_u64.pow(n))?;
+    options.limit_size(4_u64.pow(n))?;
     let mut centres = vec![DVec3::ZERO];
     let mut half = 1.0;
     for _ in 1..n {

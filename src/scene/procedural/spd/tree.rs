@@ -3,7 +3,7 @@
 use super::super::patch::append;
 use super::setting::{Setting, surface};
 use super::tube::{End, tube};
-use super::{Body, Entry, Mesh, Options, Stage, limit, quad};
+use super::{Body, Entry, Mesh, Options, Stage, quad};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::{DAffine3, DQuat, DVec3};
@@ -28,7 +28,7 @@ const TAPER: f64 = 0.67;
 
 fn body(options: &Options) -> Result<Body> {
     let (n, sides) = (options.n(11, 1..=40)?, options.sides()?);
-    limit(((2_u64 << n) - 1) * (1 + 2 * u64::from(sides)) + 2)?;
+    options.limit_size(((2_u64 << n) - 1) * (1 + 2 * u64::from(sides)) + 2)?;
     let forks = FORKS.map(|[branch, divergence, contraction]| {
         let turn = DQuat::from_rotation_z(divergence.to_radians()) * DQuat::from_rotation_x(branch.to_radians());
         DAffine3::from_scale_rotation_translation(DVec3::splat(contraction), turn, DVec3::Z)

@@ -1,0 +1,4 @@
+//! See [`skipgrid_fuzz::entry::arrays`].
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| skipgrid_fuzz::entry::arrays(bytes));

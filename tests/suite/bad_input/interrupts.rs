@@ -1,0 +1,109 @@
+//! Interrupts, sent for real.
+#![cfg(unix)]
+
+use super::{Run, folder, names, write};
+use skipgrid::picture::io;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+fn start(folder: &Path, args: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_skipgrid"))
+        .args(args)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts")
+}
+
+fn send(signal: &str, child: &Child) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
+    assert!(sent.success(), "the program has ended by itself");
+}
+
+fn end(child: Child) -> Run {
+    Run::new(&"interrupted", &child.wait_with_output().expect("it ends"))
+}
+
+/// Renders for hours unless interrupted, and sends `signal` after a while; if that was too early for a single pixel, waits
+/// longer.
+fn interrupted(folder: &Path, out: &str, signal: &str) -> Run {
+    for seconds in [1, 4, 16, 64] {
+        let args = ["render", "cornell", "--size", "1000x1000", "--spp", "4096", "--threads", "2", "-o", out];
+        let child = start(folder, &args);
+        std::thread::sleep(Duration::from_secs(seconds));
+        send(signal, &child);
+        let run = end(child);
+        assert_eq!(run.code, Some(130), "{}", run.stderr);
+        if run.stderr.contains("pixels have all") {
+            return run;
+        }
+    }
+    panic!("no pixel in a minute");
+}
+
+#[test]
+fn a_picture_is_kept_as_far_as_it_is_and_says_so() {
+    let folder = folder("partial");
+    for (out, partial, signal) in [("a.exr", "a.partial.exr", "-INT"), ("a.b.png", "a.b.partial.png", "-TERM")] {
+        write(&folder, out, "the old one");
+        let run = interrupted(&folder, out, signal);
+        assert!(run.stderr.contains("interrupted") && run.stderr.contains(partial), "{}", run.stderr);
+        assert!(run.stdout.is_empty(), "{}", run.stdout);
+        assert_eq!(fs::read(folder.join(out)).expect("still there"), b"the old one");
+        let picture = io::read(folder.join(partial)).expect("a whole file");
+        assert_eq!((picture.width, picture.height), (1000, 1000));
+        let lit = picture.pixels.iter().filter(|p| **p != [0.0; 3]).count();
+        assert!(lit > 0 && lit < 1_000_000, "{lit} pixels");
+    }
+    let attributes = io::read_attributes(folder.join("a.partial.exr")).expect("a whole file");
+    let state = attributes.get(io::PARTIAL).expect("it says so");
+    assert!(state.contains("of 1000000 pixels have all their 4096 samples"), "{state}");
+    let png = fs::read(folder.join("a.b.partial.png")).expect("there");
+    assert!(png.windows(13).any(|w| w == b"tEXtpartial\0".iter().chain(&w[12..]).copied().collect::<Vec<_>>()));
+    assert_eq!(names(&folder), ["a.b.partial.png", "a.b.png", "a.exr", "a.partial.exr"]);
+}
+
+#[test]
+fn pixels_of_a_partial_picture_are_those_of_the_whole_one() {
+    use skipgrid::render::{Sampler, Settings, render, render_until};
+    use std::sync::atomic::{AtomicBool, Ordering};
+    let scene = skipgrid::scene::load("cornell", &Default::default()).expect("a scene");
+    let accel = scene.accel("grid").expect("a grid");
+    let settings =
+        Settings { width: 48, height: 48, sampler: Sampler::Sobol(2), threads: Some(1), ..Settings::default() };
+    let whole = render(&scene, &*accel, &settings, &|_, _| {}).expect("a film");
+    let stop = AtomicBool::new(false);
+    // After the third of nine tiles.
+    let progress = |done: usize, _: usize| stop.store(done >= 3, Ordering::Relaxed);
+    let part = render_until(&scene, &*accel, &settings, &progress, &stop).expect("a film");
+    assert_eq!(part.finished, 3 * 16 * 16);
+    for (i, sum) in part.film.sum.iter().enumerate() {
+        let expected = if i / 48 < 16 { whole.sum[i] } else { glam::DVec3::ZERO };
+        assert_eq!(*sum, expected, "pixel {i}");
+    }
+}
+
+#[test]
+fn a_second_interrupt_and_other_verbs_end_with_nothing_left() {
+    let folder = folder("ends");
+    let render = ["render", "cornell", "--size", "1000x1000", "--spp", "4096", "-o", "out.pfm"];
+    let child = start(&folder, &render);
+    std::thread::sleep(Duration::from_millis(500));
+    send("-INT", &child);
+    // It may have ended by the first already.
+    let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status();
+    assert_eq!(end(child).code, Some(130));
+    let _ = fs::remove_file(folder.join("out.partial.pfm"));
+    assert!(!names(&folder).contains(&"out.pfm".into()));
+    let long = ["compare", "random:n=20000", "--rounds", "1000000", "--max-rays", "4000"];
+    let child = start(&folder, &long);
+    std::thread::sleep(Duration::from_secs(1));
+    send("-INT", &child);
+    let run = end(child);
+    assert_eq!(run.code, Some(130), "{}", run.stderr);
+    assert!(run.stdout.is_empty() && run.stderr.contains("interrupted"), "{}", run.stderr);
+}
