@@ -65,8 +65,8 @@ impl Scatter {
         let mut placed: Vec<((f64, f64), &Spot)> =
             self.spots.iter().filter_map(|spot| Some((place(spot)?, spot))).collect();
         placed.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-        // Left end, right end and height of the names so far: one that would cover another goes below it.
-        let mut names: Vec<(f64, f64, f64)> = Vec::new();
+        // Left end, right end and height of the marks and the names so far: a name that would cover one goes below it.
+        let mut names: Vec<(f64, f64, f64)> = placed.iter().map(|((x, y), _)| (x - 6.0, x + 6.0, *y)).collect();
         for ((x, y), spot) in placed {
             let (from, to) = (x + 9.0, x + 9.0 + LETTER * spot.name.chars().count() as f64);
             let mut height = y;
