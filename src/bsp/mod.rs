@@ -246,6 +246,22 @@ mod tests {
     }
 
     #[test]
+    fn a_small_sphere_beside_a_huge_one_is_found() {
+        let sphere = |centre: [f32; 3], radius| crate::geometry::Sphere { centre: Vec3::from(centre), radius };
+        let set = vec![
+            sphere([-0.999_999_9, 2.0, 1.0], f32::from_bits(0x67c4_160c)),
+            sphere([-1.0, 0.0, -2.0], 3.5),
+            sphere([1.0, 3.5, 2.0], f32::from_bits(0x40b5_b99e)),
+        ];
+        let bits = [0x3fb5_5555, 0x3f95_5556, 0x406a_aaaa].map(f32::from_bits);
+        let ray = Ray::new(Vec3::new(-1.0, 0.0, -2.0), Vec3::from(bits)).with_range(1.0, f32::MAX);
+        let tree = Bsp::build(&set, &BspOptions::default()).expect("a tree");
+        let hit = tree.closest_hit(&ray);
+        assert_eq!(hit, crate::accel::BruteForce::new(&set).closest_hit(&ray));
+        assert_eq!(hit.map(|hit| hit.prim), Some(2));
+    }
+
+    #[test]
     fn walks_for_halves_refuse_other_planes() {
         let set = soup(&mut Random::new(11));
         let options = BspOptions { planes: Choice::Sah, ..BspOptions::default() };

@@ -96,6 +96,9 @@ pub struct Sorter<'a> {
     pub frame: &'a Frame,
 }
 
+/// What a part is inflated by for the question whether its primitive is there at all.
+const HAIR: f64 = PADDING / 4.0;
+
 impl Sorter<'_> {
     /// The reference's parts on the low and the high side of `plane`; `None` where there is certainly nothing within
     /// [`PADDING`] of that side.
@@ -119,8 +122,9 @@ impl Sorter<'_> {
                     extent(&side).map(|part| Reference { prim, part })
                 })
             }
+            // To the world and back a corner moves by less than 2^-7, see [`Frame::new`]; a primitive may be smaller than that.
             None => part.sides(plane, PADDING).map(|part| {
-                let world = Cell { min: self.frame.world(part.min), max: self.frame.world(part.max) };
+                let world = Cell { min: self.frame.world(part.min - HAIR), max: self.frame.world(part.max + HAIR) };
                 let there = part.min.cmple(part.max).all() && self.shapes.overlaps(prim, &world);
                 there.then_some(Reference { prim, part })
             }),
