@@ -1,28 +1,33 @@
 //! The last stage for spheres: where a ray meets one, as a root of a quadratic equation over whole numbers.
 //!
-//! Every f32 is a whole multiple of 2^-149. Over that unit, with `f = c - o`, `a = |d|^2`, `b = f . d` and
+//! Every f32 is a whole multiple of 2^-149, and coordinates of like size are of a much larger power of two. Over such a unit, with `f = c - o`, `a = |d|^2`, `b = f . d` and
 //! `D = b^2 - a (|f|^2 - r^2)`, the parameters are `(b - sqrt D) / a` and `(b + sqrt D) / a`, and all of `a`, `b` and `D` are
 //! integers. Signs of sums with square roots are decided by squaring. Numbers have up to 2 300 bits, and a decision takes
 //! some microseconds: it is asked for where f64 leaves something open, so next to never.
 
+use super::whole::parts;
 use super::{Sphere, Triangle};
 use crate::ray::Ray;
 use glam::Vec3;
 use num_bigint::{BigInt, Sign};
 use std::cmp::Ordering;
 
-/// `x` in units of 2^-149; finite.
-fn units(x: f32) -> BigInt {
-    let bits = x.to_bits();
-    let (fraction, biased) = (bits & 0x7f_ffff, bits >> 23 & 0xff);
-    let size = if biased == 0 { BigInt::from(fraction) } else { BigInt::from(fraction | 1 << 23) << (biased - 1) };
-    if x.is_sign_negative() { -size } else { size }
+/// `x` in units of `2^exponent`, of which it is a whole multiple; finite.
+fn units(x: f32, exponent: i32) -> BigInt {
+    let (mantissa, own) = parts(x);
+    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (own - exponent) }
+}
+
+/// The greatest power of two of which all numbers are multiples; 0 if all are zero.
+fn unit(numbers: impl IntoIterator<Item = f32>) -> i32 {
+    let exponents = numbers.into_iter().map(|x| parts(x).1).filter(|&e| e != i32::MAX);
+    exponents.min().unwrap_or(0)
 }
 
 type V = [BigInt; 3];
 
-fn vector(v: Vec3) -> V {
-    v.to_array().map(units)
+fn vector(v: Vec3, exponent: i32) -> V {
+    v.to_array().map(|x| units(x, exponent))
 }
 
 fn minus(p: &V, q: &V) -> V {
@@ -64,7 +69,8 @@ fn sign_with_root(x: &BigInt, y: &BigInt, radicand: &BigInt) -> Ordering {
     }
 }
 
-/// The exact parameter at which a ray meets a sphere: `(b + side sqrt D) / a`, with `a` above zero and `D` not below it.
+/// The exact parameter at which a ray meets a sphere: `(b + side sqrt D) / a * 2^exponent`, with `a` above zero and `D` not
+/// below it.
 #[derive(Clone, Debug)]
 pub(super) struct Root {
     a: BigInt,
@@ -72,19 +78,23 @@ pub(super) struct Root {
     discriminant: BigInt,
     /// -1 for the lesser root, 1 for the greater one.
     side: BigInt,
+    exponent: i32,
 }
 
 impl Root {
     /// The least parameter in the ray's range at which it meets the sphere, which can be hit.
     pub fn first(sphere: &Sphere, ray: &Ray) -> Option<Self> {
-        let (d, r) = (vector(ray.direction), units(sphere.radius));
-        let f = minus(&vector(sphere.centre), &vector(ray.origin));
+        let places = [ray.origin, sphere.centre].into_iter().flat_map(|v| v.to_array());
+        let place = unit(places.chain([sphere.radius]));
+        let pace = unit(ray.direction.to_array());
+        let (d, r) = (vector(ray.direction, pace), units(sphere.radius, place));
+        let f = minus(&vector(sphere.centre, place), &vector(ray.origin, place));
         let (a, b) = (dot(&d, &d), dot(&f, &d));
         let discriminant = &b * &b - &a * (dot(&f, &f) - &r * &r);
         if sign(&discriminant).is_lt() {
             return None;
         }
-        let lesser = Self { a, b, discriminant, side: BigInt::from(-1) };
+        let lesser = Self { a, b, discriminant, side: BigInt::from(-1), exponent: place - pace };
         if lesser.in_range(ray) {
             return Some(lesser);
         }
@@ -101,11 +111,12 @@ impl Root {
         self.cmp_parameter(f64::from(ray.t_min)).is_ge() && self.cmp_parameter(f64::from(ray.t_max)).is_le()
     }
 
-    /// Compares with a fraction, the denominator above zero.
-    fn cmp_fraction(&self, numerator: &BigInt, denominator: &BigInt) -> Ordering {
-        // b + side sqrt D - a n / m, times m.
-        let rest = &self.b * denominator - &self.a * numerator;
-        sign_with_root(&rest, &(&self.side * denominator), &self.discriminant)
+    /// Compares with `numerator / denominator * 2^exponent`, the denominator above zero.
+    fn cmp_fraction(&self, numerator: &BigInt, denominator: &BigInt, exponent: i32) -> Ordering {
+        // b + side sqrt D - a n / m, times m, over the lesser of the two powers.
+        let gap = self.exponent - exponent;
+        let (ours, theirs) = (denominator << gap.max(0) as u32, &self.a * numerator << (-gap).max(0) as u32);
+        sign_with_root(&(&self.b * &ours - theirs), &(&self.side * ours), &self.discriminant)
     }
 
     /// Compares with a number.
@@ -117,33 +128,40 @@ impl Root {
         let (fraction, biased) = (bits & 0xf_ffff_ffff_ffff, (bits >> 52 & 0x7ff) as i32);
         let (size, power) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
         let mantissa = if t.is_sign_negative() { -BigInt::from(size) } else { BigInt::from(size) };
-        let scale = BigInt::from(1) << power.unsigned_abs();
-        if power < 0 { self.cmp_fraction(&mantissa, &scale) } else { self.cmp_fraction(&(mantissa * scale), &1.into()) }
+        self.cmp_fraction(&mantissa, &1.into(), power)
     }
 
     /// Compares with another root for the same ray.
     pub fn cmp_root(&self, other: &Self) -> Ordering {
-        // p + s sqrt D - s' sqrt D' against zero, since `a` is the ray's.
-        let p = &self.b - &other.b;
-        let ours = sign_with_root(&p, &self.side, &self.discriminant);
+        // p + s sqrt D - s' sqrt D' against zero, since `a` is the ray's; over the lesser of the two powers.
+        let gap = self.exponent - other.exponent;
+        if gap < 0 {
+            return other.cmp_root(self).reverse();
+        }
+        let (b, discriminant) = (&self.b << gap as u32, &self.discriminant << 2 * gap as u32);
+        let p = b - &other.b;
+        let ours = sign_with_root(&p, &self.side, &discriminant);
         let theirs = if sign(&other.discriminant).is_eq() { Ordering::Equal } else { sign(&other.side) };
         if ours != theirs || ours.is_eq() {
             return ours.cmp(&theirs);
         }
         // Of like signs: their squares decide.
-        let rest = &p * &p + &self.discriminant - &other.discriminant;
-        let order = sign_with_root(&rest, &(2 * p * &self.side), &self.discriminant);
+        let rest = &p * &p + &discriminant - &other.discriminant;
+        let order = sign_with_root(&rest, &(2 * p * &self.side), &discriminant);
         if ours.is_gt() { order } else { order.reverse() }
     }
 
     /// Compares with where the ray meets a triangle's plane, to which it is not parallel.
     pub fn cmp_plane(&self, ray: &Ray, corners: &Triangle) -> Ordering {
-        let [a, b, c] = corners.map(vector);
+        let place = unit(corners.iter().chain([&ray.origin]).flat_map(|v| v.to_array()));
+        let pace = unit(ray.direction.to_array());
+        let [a, b, c] = corners.map(|p| vector(p, place));
         let n = cross(&minus(&b, &a), &minus(&c, &a));
-        let (numerator, denominator) = (dot(&minus(&a, &vector(ray.origin)), &n), dot(&vector(ray.direction), &n));
+        let numerator = dot(&minus(&a, &vector(ray.origin, place)), &n);
+        let denominator = dot(&vector(ray.direction, pace), &n);
         match denominator.sign() {
-            Sign::Minus => self.cmp_fraction(&-numerator, &-denominator),
-            _ => self.cmp_fraction(&numerator, &denominator),
+            Sign::Minus => self.cmp_fraction(&-numerator, &-denominator, place - pace),
+            _ => self.cmp_fraction(&numerator, &denominator, place - pace),
         }
     }
 }
@@ -157,11 +175,12 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_whole_multiples_of_the_least() {
-        assert_eq!(units(f32::from_bits(1)), BigInt::from(1));
-        assert_eq!(units(-f32::MIN_POSITIVE), BigInt::from(-1 << 23));
-        assert_eq!(units(1.5), BigInt::from(3) << 148);
-        assert_eq!(units(-0.0), BigInt::from(0));
+    fn numbers_are_whole_multiples_of_their_unit() {
+        assert_eq!(units(f32::from_bits(1), -149), BigInt::from(1));
+        assert_eq!(units(-f32::MIN_POSITIVE, -149), BigInt::from(-1 << 23));
+        assert_eq!(units(1.5, -149), BigInt::from(3) << 148);
+        assert_eq!((units(-0.0, 3), unit([0.0, -0.0])), (BigInt::ZERO, 0));
+        assert_eq!(unit([6.0, 0.0, 1.25]), -2);
     }
 
     #[test]
@@ -200,8 +219,13 @@ mod tests {
             assert_eq!(found.is_some(), hits, "{offset}");
         }
         // sqrt 2 + sqrt 3 against sqrt(5 + 2 sqrt 6) and the like, in all signs: p + s sqrt D - s' sqrt D'.
-        let of =
-            |b: i64, side: i64, d: i64| Root { a: 1.into(), b: b.into(), discriminant: d.into(), side: side.into() };
+        let of = |b: i64, side: i64, d: i64| Root {
+            a: 1.into(),
+            b: b.into(),
+            discriminant: d.into(),
+            side: side.into(),
+            exponent: 0,
+        };
         for (b, s, d, other_b, other_s, other_d) in (0..4000i64)
             .map(|i| (i % 7 - 3, i / 7 % 2 * 2 - 1, i / 14 % 9, i / 126 % 5 - 2, i / 630 % 2 * 2 - 1, i / 1260 % 9))
         {

@@ -31,10 +31,10 @@ impl Sphere {
     /// True if a ray can hit it.
     fn is_usable(&self) -> bool {
         let reach = self.centre.abs().max_element();
-        // NaN components may hide from the greatest one, hence the second condition.
-        f64::from(reach) + f64::from(self.radius) <= f64::from(f32::MAX)
-            && self.radius >= 0.0
-            && self.centre.is_finite()
+        // NaN components may hide from the greatest one, hence the last condition.
+        let (sum, error) = two_sum(f64::from(reach), f64::from(self.radius));
+        let most = f64::from(f32::MAX);
+        (sum < most || (sum == most && error <= 0.0)) && self.radius >= 0.0 && self.centre.is_finite()
     }
 
     /// The centre seen from the origin, turned round: `o - c` exactly.
@@ -175,50 +175,64 @@ pub(super) fn test<G: Geometry + ?Sized>(
     }
 }
 
-/// The second stage, and the third where it leaves something open.
+/// The second stage.
 #[inline(never)]
 fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, sphere: &Sphere, ray: &Ray, prep: &SpherePrep, best: &mut Best) {
     if best.prim() == Some(prim) {
         return;
     }
     let Some((near, far)) = roots(sphere, ray, prep) else { return };
-    let (first, root) = match (near.within(ray), far.within(ray)) {
-        (Within::Yes, _) => (near, None),
-        (Within::No, Within::Yes) => (far, None),
+    let first = match (near.within(ray), far.within(ray)) {
+        (Within::Yes, _) => Some(near),
+        (Within::No, Within::Yes) => Some(far),
         (Within::No, Within::No) => return,
-        _ => {
-            let Some(root) = Root::first(sphere, ray) else { return };
-            (if root.is_lesser() { near } else { far }, Some(root))
-        }
+        _ => None,
     };
-    let Estimate { t, err } = first;
-    if t - err > best.upper() {
-        return;
-    }
-    if t + err < best.t() - best.err() || comes_first(set, prim, sphere, ray, root, best) {
-        best.replace(t, err, prim);
+    match first {
+        Some(Estimate { t, err }) if t - err > best.upper() => {}
+        Some(Estimate { t, err }) if t + err < best.t() - best.err() => best.replace(t, err, prim),
+        _ => decide(set, prim, sphere, ray, (near, far), best),
     }
 }
 
-/// True if the sphere, which the ray meets in its range, is met before the winner.
+/// The third stage; the ray's line meets the sphere at about `near` and `far`.
 #[cold]
-fn comes_first<G: Geometry + ?Sized>(
+#[inline(never)]
+fn decide<G: Geometry + ?Sized>(
     set: &G,
     prim: u32,
     sphere: &Sphere,
     ray: &Ray,
-    root: Option<Root>,
-    best: &Best,
-) -> bool {
-    let Some(winner) = best.prim() else { return true };
-    let Some(root) = root.or_else(|| Root::first(sphere, ray)) else { return false };
-    let order = match (set.triangle(winner), set.sphere(winner)) {
-        (Some(corners), _) => root.cmp_plane(ray, &corners),
-        (None, Some(other)) => root.cmp_root(&self::winner(&other, ray)),
-        // Something else: its parameter counts as exact.
-        (None, None) => root.cmp_parameter(best.t()),
+    (near, far): (Estimate, Estimate),
+    best: &mut Best,
+) {
+    let winner = best.prim().map(|winner| (winner, set.triangle(winner), set.sphere(winner)));
+    if let Some((winner, None, Some(other))) = winner
+        && other == *sphere
+    {
+        // The same set of points ties without arithmetic.
+        if prim < winner {
+            best.replace(best.t(), best.err(), prim);
+        }
+        return;
+    }
+    let Some(root) = Root::first(sphere, ray) else { return };
+    let order = match winner {
+        None => Ordering::Less,
+        Some((winner, other, ball)) => {
+            let order = match (other, ball) {
+                (Some(corners), _) => root.cmp_plane(ray, &corners),
+                (None, Some(ball)) => root.cmp_root(&self::winner(&ball, ray)),
+                // Something else: its parameter counts as exact.
+                (None, None) => root.cmp_parameter(best.t()),
+            };
+            order.then(prim.cmp(&winner))
+        }
     };
-    order.then(prim.cmp(&winner)) == Ordering::Less
+    if order == Ordering::Less {
+        let Estimate { t, err } = if root.is_lesser() { near } else { far };
+        best.replace(t, err, prim);
+    }
 }
 
 /// The exact parameter of a winner: it is met in the ray's range.

@@ -11,7 +11,7 @@ use glam::Vec3;
 use std::cmp::Ordering;
 
 /// `mantissa * 2^exponent` exactly, the mantissa odd; `(0, i32::MAX)` for zero. `x` is finite.
-fn parts(x: f32) -> (i64, i32) {
+pub(super) fn parts(x: f32) -> (i64, i32) {
     let bits = x.to_bits();
     let (fraction, biased) = (i64::from(bits & 0x7f_ffff), (bits >> 23 & 0xff) as i32);
     let (mantissa, exponent) = if biased == 0 { (fraction, -149) } else { (fraction | 1 << 23, biased - 150) };
