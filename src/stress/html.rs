@@ -89,7 +89,7 @@ fn section(page: &mut String, family: &Family, study: &Study) {
         );
         for (name, _) in &accels {
             match result.rows.iter().find(|row| row.accel == *name) {
-                Some(row) => cell(page, result, row),
+                Some(row) => cell(page, row),
                 None => page.push_str("<td class=\"none\"></td>"),
             }
         }
@@ -98,7 +98,7 @@ fn section(page: &mut String, family: &Family, study: &Study) {
     page.push_str("</tbody>\n</table></div>\n");
 }
 
-fn cell(page: &mut String, result: &CaseResult, row: &Row) {
+fn cell(page: &mut String, row: &Row) {
     let (tally, times) = match &row.outcome {
         Outcome::Traced { tally, times } => (tally, times),
         Outcome::Refused(reason) => {
@@ -110,8 +110,7 @@ fn cell(page: &mut String, result: &CaseResult, row: &Row) {
             return;
         }
     };
-    let class =
-        if tally.is_zero() && !row.fails(result.case) || (tally.strict() == 0 && !row.exact) { "zero" } else { "some" };
+    let class = if tally.is_zero() && !row.fails() || (tally.strict() == 0 && !row.exact) { "zero" } else { "some" };
     let ratio = times.map_or("-".to_string(), |times| format!("{:.1}x", times.ratio()));
     let _ = write!(
         page,

@@ -104,7 +104,7 @@ fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, pr
         result.rows.push(Row { accel: contender.name.clone(), exact: contender.exact, outcome });
     }
 
-    let bars = Bars { t: case.t_bar, work: 1_000_000 + 64 * count };
+    let bars = Bars { work: 1_000_000 + 64 * count };
     // Far above what any ray should take, yet all accelerators come to an end.
     let patience = Duration::from_secs(10) + Duration::from_micros(2500 * rays);
     let step = (MOST_TIES / count.max(1)).clamp(16, CHUNK);

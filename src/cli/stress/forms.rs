@@ -147,11 +147,10 @@ fn faults(study: &Study) -> String {
     let mut out = String::new();
     for (result, tally, names) in groups {
         out += &format!(
-            "FAULTY: {}: {}; {} parameters not rounded, {} beyond the bar, error up to {}; {}\n",
+            "FAULTY: {}: {}; {} parameters not the nearest, error up to {}; {}\n",
             result.case.name,
             tally.per_million(),
             tally.not_rounded,
-            tally.beyond,
             ulps(tally.t_error),
             names.join(", ")
         );
@@ -176,7 +175,7 @@ fn bits(ray: &Ray) -> Vec<String> {
 }
 
 /// The counts of a tally by name, in the order of the CSV.
-fn counts(tally: &Tally) -> [(&'static str, u64); 16] {
+fn counts(tally: &Tally) -> [(&'static str, u64); 15] {
     [
         ("answers", tally.rays),
         ("missed", tally.missed),
@@ -185,7 +184,6 @@ fn counts(tally: &Tally) -> [(&'static str, u64); 16] {
         ("outside", tally.outside),
         ("not_finite", tally.not_finite),
         ("not_rounded", tally.not_rounded),
-        ("beyond", tally.beyond),
         ("any", tally.any),
         ("counted", tally.counted),
         ("differing", tally.differing),
@@ -252,13 +250,12 @@ pub(super) fn json(study: &Study) -> Value {
                 "summary": case.summary,
                 "must_hit": case.must_hit,
                 "bad_input": case.bad_input,
-                "t_bar_ulp": case.t_bar,
                 "primitives": result.primitives,
                 "rays": result.rays,
                 "hits": result.hits,
                 "ties": result.ties,
                 "seconds": result.seconds,
-                "accelerators": result.rows.iter().map(|row| json_row(result, row)).collect::<Vec<_>>(),
+                "accelerators": result.rows.iter().map(|row| json_row(row)).collect::<Vec<_>>(),
             })
         })
         .collect();
@@ -303,14 +300,14 @@ pub(super) fn json(study: &Study) -> Value {
     })
 }
 
-fn json_row(result: &CaseResult, row: &Row) -> Value {
+fn json_row(row: &Row) -> Value {
     let (kind, reason) = outcome(row);
     let mut value = json!({
         "accelerator": row.accel,
         "exact": row.exact,
         "outcome": kind,
         "reason": reason,
-        "fails": row.exact && row.fails(result.case),
+        "fails": row.exact && row.fails(),
     });
     if let Some(tally) = row.tally() {
         for (name, n) in counts(tally) {

@@ -1,6 +1,6 @@
 //! Far origins, and small things in huge scenes.
 
-use super::draw::{aim, in_box, in_cube, inwards, pick, unit};
+use super::draw::{aim, in_cube, inwards, pick, unit};
 use super::shapes::{Mesh, SOUP, cuboid, soup, triangles};
 use super::{Case, Stage};
 use crate::geometry::Triangle;
@@ -97,8 +97,10 @@ fn ratio(random: &mut Random) -> Stage {
         let target = pick(random, &corners);
         if random.below(4) == 0 { Ray::new(origin, unit(random)) } else { aim(random, origin, target) }
     };
+    // At every size too, but at no corner.
     Stage::new(triangles(list), shoot, |random| {
-        let origin = in_box(random, -2e4, 2e4);
-        Ray::new(origin, in_cube(random) * 1e4 - origin)
+        let mut place = || (random.direction() * 10f64.powf(random.within(-5.0, 5.0))).as_vec3();
+        let (origin, target) = (place(), place());
+        aim(random, origin, target)
     })
 }

@@ -13,19 +13,15 @@ pub(super) const CASES: &[Case] = &[
         "mixed_tangent_plane",
         "spheres that rest on the quads of a plane, rays at the points where they touch",
         |_| resting(),
-    )
-    .t_within(1.0),
+    ),
     Case::new(
         "mixed_kissing",
         "spheres of radius 1/2 at whole numbers, that touch each other, and quads between them",
         |_| kissing(),
-    )
-    .t_within(1.0),
-    Case::new("mixed_edges", "triangles whose corners and edges touch spheres, rays at those points", edges)
-        .t_within(1.0),
-    Case::new("mixed_inscribed", "bumpy meshes with corners on spheres, rays at the corners", inscribed).t_within(1.0),
-    Case::new("mixed_soup", "500 random triangles through 100 random spheres, rays where they cross", crossing)
-        .t_within(1.0),
+    ),
+    Case::new("mixed_edges", "triangles whose corners and edges touch spheres, rays at those points", edges),
+    Case::new("mixed_inscribed", "bumpy meshes with corners on spheres, rays at the corners", inscribed),
+    Case::new("mixed_soup", "500 random triangles through 100 random spheres, rays where they cross", crossing),
 ];
 
 /// The quad of side 2 about `centre` across the axis `k`.

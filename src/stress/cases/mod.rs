@@ -75,8 +75,6 @@ pub struct Case {
     pub bad_input: bool,
     /// Most rays that are traced, and why no more.
     pub most_rays: Option<(u64, &'static str)>,
-    /// Largest error of a parameter that an exact accelerator may make, units in the last place; `None`: not judged.
-    pub t_bar: Option<f64>,
     /// Resolution that grids are given, where their specification gives none.
     pub resolution: Option<&'static str>,
     make: fn(&mut Random) -> Stage,
@@ -85,8 +83,7 @@ pub struct Case {
 impl Case {
     /// A case of triangles.
     const fn new(name: &'static str, summary: &'static str, make: fn(&mut Random) -> Stage) -> Self {
-        let t_bar = Some(0.5);
-        Self { name, summary, must_hit: false, bad_input: false, most_rays: None, t_bar, resolution: None, make }
+        Self { name, summary, must_hit: false, bad_input: false, most_rays: None, resolution: None, make }
     }
 
     /// Every ray hits something.
@@ -102,16 +99,6 @@ impl Case {
     /// At most `rays` are traced, because of `reason`.
     const fn at_most(self, rays: u64, reason: &'static str) -> Self {
         Self { most_rays: Some((rays, reason)), ..self }
-    }
-
-    /// The parameter may be wrong by this many units in the last place.
-    const fn t_within(self, ulps: f64) -> Self {
-        Self { t_bar: Some(ulps), ..self }
-    }
-
-    /// The parameter's error is shown and not judged.
-    const fn t_free(self) -> Self {
-        Self { t_bar: None, ..self }
     }
 
     /// Grids get this resolution.
