@@ -414,7 +414,9 @@ mod tests {
     #[test]
     fn bodies_are_refused_before_they_are_made_if_they_are_too_large() {
         let little = Budget::new(&LoadOptions { memory: 100 * PRIMITIVE_BYTES, ..LoadOptions::default() });
-        for entry in ENTRIES.iter().filter(|e| e.keys.contains(&"n") && !["terrain", "spd-mount"].contains(&e.name)) {
+        for entry in
+            ENTRIES.iter().filter(|e| e.keys.contains(&"n") && !["voxel-terrain", "spd-mount"].contains(&e.name))
+        {
             let large = |name: &str| if name.starts_with("spd-") { name.to_owned() } else { format!("{name}:n=200") };
             let spec = large(entry.name);
             let message = parse_within(&spec, &little).expect_err(&spec).to_string();
@@ -430,7 +432,7 @@ mod tests {
             let body = (entry.body)(&Options::default()).expect("the usual size");
             let triangles: usize = body.meshes.iter().map(|m| m.triangles.len()).sum();
             let all = (triangles + body.spheres.len()) as u64;
-            let bounded = entry.keys.contains(&"n") && !["terrain", "spd-mount"].contains(&entry.name);
+            let bounded = entry.keys.contains(&"n") && !["voxel-terrain", "spd-mount"].contains(&entry.name);
             let refused = (entry.body)(&Options { room: Some(all.saturating_sub(1)), ..Options::default() }).is_err();
             assert!(refused || !bounded, "{} made {all}", entry.name);
         }

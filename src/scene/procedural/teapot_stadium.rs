@@ -25,7 +25,8 @@ const TIERS: u32 = 24;
 
 fn body(options: &Options) -> Result<Body> {
     let n = options.n(12, 1..=2048)?;
-    options.limit(64 * u64::from(n).pow(2))?;
+    // The pot, the field, and two rows of quadrilaterals for each tier.
+    options.limit(64 * u64::from(n).pow(2) + u64::from(SIDES + 4 * SIDES * TIERS))?;
     let around = |angle: f64, radius: f64, height: f64| {
         let (sin, cos) = (TAU * angle).sin_cos();
         DVec3::new(radius * cos, height, -radius * sin)
