@@ -10,6 +10,7 @@ pub(crate) mod expansion;
 mod face;
 mod indexed;
 mod mixed;
+mod number;
 pub(crate) mod polygon;
 mod root;
 mod solid;

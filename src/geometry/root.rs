@@ -1,21 +1,22 @@
 //! The last stage for spheres: where a ray meets one, as a root of a quadratic equation over whole numbers.
 //!
-//! Every f32 is a whole multiple of 2^-149, and coordinates of like size are of a much larger power of two. Over such a unit, with `f = c - o`, `a = |d|^2`, `b = f . d` and
-//! `D = b^2 - a (|f|^2 - r^2)`, the parameters are `(b - sqrt D) / a` and `(b + sqrt D) / a`, and all of `a`, `b` and `D` are
-//! integers. Signs of sums with square roots are decided by squaring. Numbers have up to 2 300 bits, and a decision takes
-//! some microseconds: it is asked for where f64 leaves something open, so next to never.
+//! Every f32 is a whole multiple of 2^-149, and coordinates of like size are multiples of a much larger power of two. Over
+//! such a unit, with `f = c - o`, `a = |d|^2`, `b = f . d` and `D = b^2 - a (|f|^2 - r^2)`, the parameters are
+//! `(b - sqrt D) / a` and `(b + sqrt D) / a`, and all of `a`, `b` and `D` are integers. Signs of sums with square roots are
+//! decided by squaring. Numbers have up to 2 300 bits, and a decision takes up to some microseconds: it is asked for where f64
+//! leaves something open, so next to never.
 
+use super::number::Number;
 use super::whole::parts;
 use super::{Sphere, Triangle};
 use crate::ray::Ray;
 use glam::Vec3;
-use num_bigint::{BigInt, Sign};
 use std::cmp::Ordering;
 
 /// `x` in units of `2^exponent`, of which it is a whole multiple; finite.
-fn units(x: f32, exponent: i32) -> BigInt {
+fn units(x: f32, exponent: i32) -> Number {
     let (mantissa, own) = parts(x);
-    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (own - exponent) }
+    if mantissa == 0 { Number::ZERO } else { &Number::from(mantissa) << (own - exponent) as u32 }
 }
 
 /// The greatest power of two of which all numbers are multiples; 0 if all are zero.
@@ -24,7 +25,7 @@ fn unit(numbers: impl IntoIterator<Item = f32>) -> i32 {
     exponents.min().unwrap_or(0)
 }
 
-type V = [BigInt; 3];
+type V = [Number; 3];
 
 fn vector(v: Vec3, exponent: i32) -> V {
     v.to_array().map(|x| units(x, exponent))
@@ -34,7 +35,7 @@ fn minus(p: &V, q: &V) -> V {
     [&p[0] - &q[0], &p[1] - &q[1], &p[2] - &q[2]]
 }
 
-fn dot(p: &V, q: &V) -> BigInt {
+fn dot(p: &V, q: &V) -> Number {
     &p[0] * &q[0] + &p[1] * &q[1] + &p[2] * &q[2]
 }
 
@@ -43,25 +44,16 @@ fn cross(p: &V, q: &V) -> V {
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
-/// The order of a number and zero.
-fn sign(x: &BigInt) -> Ordering {
-    match x.sign() {
-        Sign::Minus => Ordering::Less,
-        Sign::NoSign => Ordering::Equal,
-        Sign::Plus => Ordering::Greater,
-    }
-}
-
 /// The order of `x + y sqrt(radicand)` and zero; the radicand is not below zero.
-fn sign_with_root(x: &BigInt, y: &BigInt, radicand: &BigInt) -> Ordering {
-    let (whole, root) = (sign(x), if sign(radicand).is_eq() { Ordering::Equal } else { sign(y) });
+fn sign_with_root(x: &Number, y: &Number, radicand: &Number) -> Ordering {
+    let (whole, root) = (x.sign(), if radicand.sign().is_eq() { Ordering::Equal } else { y.sign() });
     if whole == root || root.is_eq() {
         whole
     } else if whole.is_eq() {
         root
     } else {
         // Of opposite signs: the greater one decides.
-        match (x * x).cmp(&(y * y * radicand)) {
+        match (x * x).order(&(&(y * y) * radicand)) {
             Ordering::Greater => whole,
             Ordering::Equal => Ordering::Equal,
             Ordering::Less => root,
@@ -73,11 +65,11 @@ fn sign_with_root(x: &BigInt, y: &BigInt, radicand: &BigInt) -> Ordering {
 /// below it.
 #[derive(Clone, Debug)]
 pub(super) struct Root {
-    a: BigInt,
-    b: BigInt,
-    discriminant: BigInt,
+    a: Number,
+    b: Number,
+    discriminant: Number,
     /// -1 for the lesser root, 1 for the greater one.
-    side: BigInt,
+    side: Number,
     exponent: i32,
 }
 
@@ -90,21 +82,21 @@ impl Root {
         let (d, r) = (vector(ray.direction, pace), units(sphere.radius, place));
         let f = minus(&vector(sphere.centre, place), &vector(ray.origin, place));
         let (a, b) = (dot(&d, &d), dot(&f, &d));
-        let discriminant = &b * &b - &a * (dot(&f, &f) - &r * &r);
-        if sign(&discriminant).is_lt() {
+        let discriminant = &b * &b - &a * &(dot(&f, &f) - &r * &r);
+        if discriminant.sign().is_lt() {
             return None;
         }
-        let lesser = Self { a, b, discriminant, side: BigInt::from(-1), exponent: place - pace };
+        let lesser = Self { a, b, discriminant, side: Number::from(-1), exponent: place - pace };
         if lesser.in_range(ray) {
             return Some(lesser);
         }
-        let greater = Self { side: BigInt::from(1), ..lesser };
+        let greater = Self { side: Number::from(1), ..lesser };
         greater.in_range(ray).then_some(greater)
     }
 
     /// True for the lesser of the two roots.
     pub fn is_lesser(&self) -> bool {
-        sign(&self.side).is_lt()
+        self.side.sign().is_lt()
     }
 
     fn in_range(&self, ray: &Ray) -> bool {
@@ -112,11 +104,11 @@ impl Root {
     }
 
     /// Compares with `numerator / denominator * 2^exponent`, the denominator above zero.
-    fn cmp_fraction(&self, numerator: &BigInt, denominator: &BigInt, exponent: i32) -> Ordering {
+    fn cmp_fraction(&self, numerator: &Number, denominator: &Number, exponent: i32) -> Ordering {
         // b + side sqrt D - a n / m, times m, over the lesser of the two powers.
         let gap = self.exponent - exponent;
-        let (ours, theirs) = (denominator << gap.max(0) as u32, &self.a * numerator << (-gap).max(0) as u32);
-        sign_with_root(&(&self.b * &ours - theirs), &(&self.side * ours), &self.discriminant)
+        let (ours, theirs) = (denominator << gap.max(0) as u32, &(&self.a * numerator) << (-gap).max(0) as u32);
+        sign_with_root(&(&self.b * &ours - theirs), &(&self.side * &ours), &self.discriminant)
     }
 
     /// Compares with a number.
@@ -127,8 +119,12 @@ impl Root {
         let bits = t.to_bits();
         let (fraction, biased) = (bits & 0xf_ffff_ffff_ffff, (bits >> 52 & 0x7ff) as i32);
         let (size, power) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
-        let mantissa = if t.is_sign_negative() { -BigInt::from(size) } else { BigInt::from(size) };
-        self.cmp_fraction(&mantissa, &1.into(), power)
+        if size == 0 {
+            return self.cmp_fraction(&Number::ZERO, &1.into(), self.exponent);
+        }
+        let zeros = size.trailing_zeros();
+        let mantissa = (size >> zeros) as i64 * if t.is_sign_negative() { -1 } else { 1 };
+        self.cmp_fraction(&mantissa.into(), &1.into(), power + zeros as i32)
     }
 
     /// Compares with another root for the same ray.
@@ -139,15 +135,15 @@ impl Root {
             return other.cmp_root(self).reverse();
         }
         let (b, discriminant) = (&self.b << gap as u32, &self.discriminant << 2 * gap as u32);
-        let p = b - &other.b;
+        let p = &b - &other.b;
         let ours = sign_with_root(&p, &self.side, &discriminant);
-        let theirs = if sign(&other.discriminant).is_eq() { Ordering::Equal } else { sign(&other.side) };
+        let theirs = if other.discriminant.sign().is_eq() { Ordering::Equal } else { other.side.sign() };
         if ours != theirs || ours.is_eq() {
             return ours.cmp(&theirs);
         }
         // Of like signs: their squares decide.
-        let rest = &p * &p + &discriminant - &other.discriminant;
-        let order = sign_with_root(&rest, &(2 * p * &self.side), &discriminant);
+        let rest = &(&p * &p + discriminant.clone()) - &other.discriminant;
+        let order = sign_with_root(&rest, &(&(&p << 1) * &self.side), &discriminant);
         if ours.is_gt() { order } else { order.reverse() }
     }
 
@@ -160,7 +156,7 @@ impl Root {
         let numerator = dot(&minus(&a, &vector(ray.origin, place)), &n);
         let denominator = dot(&vector(ray.direction, pace), &n);
         match denominator.sign() {
-            Sign::Minus => self.cmp_fraction(&-numerator, &-denominator, place - pace),
+            Ordering::Less => self.cmp_fraction(&-&numerator, &-&denominator, place - pace),
             _ => self.cmp_fraction(&numerator, &denominator, place - pace),
         }
     }
@@ -176,10 +172,10 @@ mod tests {
 
     #[test]
     fn numbers_are_whole_multiples_of_their_unit() {
-        assert_eq!(units(f32::from_bits(1), -149), BigInt::from(1));
-        assert_eq!(units(-f32::MIN_POSITIVE, -149), BigInt::from(-1 << 23));
-        assert_eq!(units(1.5, -149), BigInt::from(3) << 148);
-        assert_eq!((units(-0.0, 3), unit([0.0, -0.0])), (BigInt::ZERO, 0));
+        let same = |x: f32, exponent, expected: Number| units(x, exponent).order(&expected).is_eq();
+        assert!(same(f32::from_bits(1), -149, 1.into()) && same(-f32::MIN_POSITIVE, -149, (-1 << 23).into()));
+        assert!(same(1.5, -149, &Number::from(3) << 148) && same(-0.0, 3, Number::ZERO));
+        assert_eq!(unit([0.0, -0.0]), 0);
         assert_eq!(unit([6.0, 0.0, 1.25]), -2);
     }
 
