@@ -134,7 +134,7 @@ impl Root {
         if gap < 0 {
             return other.cmp_root(self).reverse();
         }
-        let (b, discriminant) = (&self.b << gap as u32, &self.discriminant << 2 * gap as u32);
+        let (b, discriminant) = (&self.b << gap as u32, &self.discriminant << (2 * gap as u32));
         let p = &b - &other.b;
         let ours = sign_with_root(&p, &self.side, &discriminant);
         let theirs = if other.discriminant.sign().is_eq() { Ordering::Equal } else { other.side.sign() };

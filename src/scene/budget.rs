@@ -49,6 +49,7 @@ impl Budget {
     ///
     /// # Errors
     /// As [`Budget::take`].
+    #[cfg_attr(not(all(feature = "gltf", feature = "obj")), allow(dead_code, reason = "for the readers of meshes"))]
     pub(super) fn take_mesh(&self, vertices: u64, triangles: u64, what: impl FnOnce() -> String) -> Result<()> {
         // Position, normal and texture coordinates.
         const VERTEX: u64 = 2 * size_of::<Vec3>() as u64 + 8;
@@ -60,6 +61,7 @@ impl Budget {
     ///
     /// # Errors
     /// As [`Budget::take`].
+    #[cfg_attr(not(all(feature = "gltf", feature = "obj")), allow(dead_code, reason = "for the readers of meshes"))]
     pub(super) fn take_meshes(&self, meshes: &[Mesh], what: impl FnOnce() -> String) -> Result<()> {
         let sum = |count: fn(&Mesh) -> usize| meshes.iter().map(|m| count(m) as u64).sum::<u64>();
         self.take_mesh(sum(|m| m.positions.len()), sum(|m| m.triangles.len()), what)

@@ -164,6 +164,14 @@ fn unsafe_code_stands_only_where_allowed() {
 }
 
 #[test]
+fn files_that_may_be_unsafe_are_listed_with_reasons() {
+    let list = read(Path::new("UNSAFE.md"));
+    for allowed in UNSAFE_ALLOWED.iter().filter(|path| root().join(path).exists()) {
+        assert!(list.contains(&format!("| `{allowed}")), "UNSAFE.md does not list {allowed}");
+    }
+}
+
+#[test]
 fn only_the_program_prints() {
     let marks = ["print!", "println!", "eprint!", "eprintln!"].map(|mark| format!("{mark}{}", '('));
     for path in rust_files(&["src", "adapters/accel"]) {

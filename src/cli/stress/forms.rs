@@ -255,7 +255,7 @@ pub(super) fn json(study: &Study) -> Value {
                 "hits": result.hits,
                 "ties": result.ties,
                 "seconds": result.seconds,
-                "accelerators": result.rows.iter().map(|row| json_row(row)).collect::<Vec<_>>(),
+                "accelerators": result.rows.iter().map(json_row).collect::<Vec<_>>(),
             })
         })
         .collect();
