@@ -13,7 +13,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Name and function of each target; seeds are in `tests/suite/fuzz/seeds/NAME`.
-pub const TARGETS: &[(&str, fn(&[u8]))] =
+/// What is done with the bytes of one input.
+pub type Entry = fn(&[u8]);
+
+pub const TARGETS: &[(&str, Entry)] =
     &[("gltf", gltf), ("obj", obj), ("toml", toml), ("vox", vox), ("picture", picture), ("arrays", arrays)];
 
 /// Longer inputs are cut: nothing of interest needs more.
