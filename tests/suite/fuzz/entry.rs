@@ -12,10 +12,10 @@ use skipgrid::scene::{ExportSettings, LoadOptions, Scene, load, mitsuba, povray,
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Name and function of each target; seeds are in `tests/suite/fuzz/seeds/NAME`.
 /// What is done with the bytes of one input.
 pub type Entry = fn(&[u8]);
 
+/// Name and function of each target; seeds are in `tests/suite/fuzz/seeds/NAME`.
 pub const TARGETS: &[(&str, Entry)] =
     &[("gltf", gltf), ("obj", obj), ("toml", toml), ("vox", vox), ("picture", picture), ("arrays", arrays)];
 
