@@ -337,7 +337,7 @@ fn the_verb_prints_tables_and_writes_files() {
     assert_eq!(table.lines().next(), Some(header));
     // Five cases with two accelerators each, and solid voxels with their own.
     assert_eq!(table.lines().count(), 1 + 5 * 2 + 1, "{table}");
-    assert!(table.lines().skip(1).all(|line| line.split(',').count() == 28), "{table}");
+    assert!(table.lines().skip(1).all(|line| line.split(',').count() == 27), "{table}");
 
     let value: serde_json::Value = serde_json::from_str(&read(&json)).expect("it is JSON");
     assert_eq!((&value["passed"], &value["rays"]), (&true.into(), &200.into()));
