@@ -1,7 +1,7 @@
 //! Who is tested: an accelerator by its specification, or anything that can be built over a scene.
 
-use crate::accel::Accel;
-use crate::error::Result;
+use crate::accel::{Accel, Candidates};
+use crate::error::{Error, Result};
 use crate::geometry::SolidVoxels;
 use crate::registry::{ENTRIES, Entry, peers, variants, walks, with_default};
 use crate::scene::{SceneGeometry, with_geometry};
@@ -29,9 +29,14 @@ impl Contender {
         // Landings as printed are kept for study: they are known to be wrong.
         let exact = entry.is_none_or(|entry| entry.exact) && !spec.contains("landing=paper");
         let own = spec.to_string();
-        let build = move |geometry: &SceneGeometry, resolution: Option<&str>| match resolution {
-            Some(resolution) => geometry.accel(&with_default(&own, "resolution", resolution)),
-            None => geometry.accel(&own),
+        let build = move |geometry: &SceneGeometry, resolution: Option<&str>| {
+            if own.starts_with("obvhs-native") {
+                refuse_copies(geometry)?;
+            }
+            match resolution {
+                Some(resolution) => geometry.accel(&with_default(&own, "resolution", resolution)),
+                None => geometry.accel(&own),
+            }
         };
         Self { name: spec.to_string(), exact, entry, build: Box::new(build) }
     }
@@ -53,6 +58,16 @@ impl Contender {
     pub(super) fn build(&self, geometry: &SceneGeometry, resolution: Option<&str>) -> Result<Box<dyn Accel>> {
         (self.build)(geometry, resolution)
     }
+}
+
+/// An error where obvhs' builder, which compares boxes that are alike with each other, would take minutes.
+fn refuse_copies(geometry: &SceneGeometry) -> Result<()> {
+    const MOST: u32 = 10_000;
+    let copies = with_geometry!(*geometry, g => Candidates::of(g).left_out.copies);
+    if copies > MOST {
+        return Err(Error::invalid(format!("left out: obvhs takes minutes to build over {copies} copies")));
+    }
+    Ok(())
 }
 
 /// The accelerators that `specs` name. `all` stands for every variant and the peers; nothing for every walk and the peers.
