@@ -4,11 +4,11 @@
 //! in a plane between voxels it suffices to visit those on one side. The *lost length* is that of these parts. A visited voxel
 //! is *wrong* if the ray does not even touch it.
 //!
-//! What our walks promise is less, and enough: grids insert primitives into voxels that are inflated by [`PADDING`], so each
+//! What our walks promise is less, and enough: grids insert primitives into voxels that are inflated by `PADDING`, so each
 //! point of the ray must lie in a visited voxel *inflated by that*. A part of the ray for which this does not hold is
 //! *uncovered*: there hits would be lost. Parts within the padding of the box's faces are excused, since grids keep their
 //! primitives further inside. A ray within rounding of a plane, which passes on the wrong side of it, thus misses voxels and leaves
-//! nothing uncovered. A ray that a walk refuses, [`Start::TooFar`], is tested against all primitives and loses nothing.
+//! nothing uncovered. A ray that a walk refuses, `Start::TooFar`, is tested against all primitives and loses nothing.
 //!
 //! Walks are compared with the one in f32 that textbooks print, which adds up tMax from voxel to voxel, and with the same one
 //! when it computes tMax anew from the plane's index.
