@@ -36,6 +36,12 @@ pub(super) fn parts_of_f64(x: f64) -> (i64, i32) {
     (if x.is_sign_negative() { -mantissa } else { mantissa }, exponent + zeros as i32)
 }
 
+/// `2^exponent` exactly, the exponent in -1022..=1023. The standard library's powers promise no precision.
+pub(super) fn power_of_two(exponent: i32) -> f64 {
+    debug_assert!((-1022..=1023).contains(&exponent), "2^{exponent} is no normal f64");
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
 /// `vectors` as whole numbers of at most 61 bits over the power of two that is returned; `None` if they do not fit.
 pub(super) fn whole<const N: usize>(vectors: [Vec3; N]) -> Option<([[i64; 3]; N], i32)> {
     let split = vectors.map(|v| v.to_array().map(parts));
@@ -127,7 +133,7 @@ pub(super) struct Quotient {
 impl Quotient {
     /// The quotient, within 2^-51 of itself: two conversions and a division. The power of two is exact.
     pub fn estimate(&self) -> f64 {
-        self.numerator as f64 / self.denominator as f64 * 2f64.powi(self.exponent)
+        self.numerator as f64 / self.denominator as f64 * power_of_two(self.exponent)
     }
 
     /// Compares with another quotient.
@@ -201,15 +207,16 @@ mod tests {
     fn numbers_are_taken_apart_exactly() {
         for x in [1.0, -1.5, 0.1, -3e38, 1e-45, f32::MIN_POSITIVE, f32::MAX, 16_777_215.0, -96.0] {
             let (mantissa, exponent) = parts(x);
-            assert_eq!(mantissa as f64 * 2f64.powi(exponent), f64::from(x), "{x}");
+            assert_eq!(mantissa as f64 * power_of_two(exponent), f64::from(x), "{x}");
             assert_eq!(mantissa & 1, 1, "{x}");
         }
         assert_eq!((parts(0.0).0, parts(-0.0).0), (0, 0));
         for x in [1.0, -1.5, 0.1, -3e300, f64::MIN_POSITIVE, f64::MAX, -96.0] {
             let (mantissa, exponent) = parts_of_f64(x);
-            assert_eq!(mantissa as f64 * 2f64.powi(exponent), x, "{x}");
+            assert_eq!(mantissa as f64 * power_of_two(exponent), x, "{x}");
             assert_eq!(mantissa & 1, 1, "{x}");
         }
+        assert_eq!([-1022, -1, 0, 1, 1023].map(power_of_two), [f64::MIN_POSITIVE, 0.5, 1.0, 2.0, 8.98846567431158e307]);
         assert_eq!((parts_of_f64(5e-324), parts_of_f64(-0.0)), ((1, -1074), (0, 0)));
         assert!(whole([Vec3::new(1.0, 1e-20, 0.0)]).is_none());
         assert_eq!(whole([Vec3::new(1.5, -3.0, 0.0)]), Some(([[3, -6, 0]], -1)));
