@@ -4,6 +4,8 @@
 pub mod accel;
 #[path = "../adapters/accel/mod.rs"]
 pub mod adapters;
+#[cfg(feature = "cli")]
+pub mod bench;
 pub mod bsp;
 #[cfg(feature = "cli")]
 pub mod cli;

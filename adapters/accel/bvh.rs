@@ -28,7 +28,7 @@ type NativeRay = bvh::ray::Ray<f32, 3>;
 /// # Errors
 /// The crate panics over these triangles.
 pub fn bvh(soup: Soup) -> Result<Box<dyn Accel>> {
-    let Soup { triangles, labels } = soup;
+    let Soup { shapes: triangles, labels } = soup;
     let shape = |(index, corners): (usize, &crate::Triangle)| {
         let corners = corners.map(|c| Point3::from(c.to_array()));
         let [a, b, c] = corners;

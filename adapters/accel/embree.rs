@@ -1,6 +1,6 @@
 //! Intel's Embree 3 or 4, opened at run time: nothing of it is needed to build this program.
 //!
-//! A peer to compare with, as its authors intend: one triangle mesh, single rays, its own triangle test in f32. The library is
+//! A peer to compare with, as its authors intend: one triangle mesh or one set of spheres, single rays, its own tests in f32. The library is
 //! the one that the environment variable `SKIPGRID_EMBREE` names, else what the system finds under Embree's usual names.
 //!
 //! Some builds of Embree (Debian's 3.13.5 is one) check rays by assertions, which end the process. So no ray is handed over
@@ -11,9 +11,10 @@
 
 #![allow(unsafe_code, reason = "calls into a C library")]
 
-use super::soup::{Labels, Soup, forwards};
+use super::soup::{Given, Labels, Soup, forwards};
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe};
 use crate::error::{Error, Result};
+use crate::geometry::Sphere;
 use crate::ray::{Aabb, Ray};
 use libloading::Library;
 use std::ffi::{c_char, c_int, c_void};
@@ -62,14 +63,16 @@ pub struct Options {
     pub robust: bool,
 }
 
-/// Builds Embree's BVH over the triangles of `soup`, on all cores.
+/// Builds Embree's BVH over what is given, on all cores.
 ///
 /// # Errors
 /// There is no Embree, see [`missing`]; or Embree reports an error.
-pub fn embree(soup: Soup, options: Options) -> Result<Box<dyn Accel>> {
+pub fn embree(given: Given, options: Options) -> Result<Box<dyn Accel>> {
     let api = api().map_err(Error::invalid)?;
-    let Soup { triangles, labels } = soup;
-    let scene = Scene::new(api, &triangles, options)?;
+    let (scene, labels) = match given {
+        Given::Triangles(Soup { shapes, labels }) => (Scene::new(api, Shapes::Triangles(&shapes), options)?, labels),
+        Given::Spheres(Soup { shapes, labels }) => (Scene::new(api, Shapes::Spheres(&shapes), options)?, labels),
+    };
     Ok(Box::new(Adapter { scene, labels, options }))
 }
 
@@ -86,10 +89,12 @@ type Handle = *mut c_void;
 // Constants of `rtcore_common.h`, `rtcore_buffer.h`, `rtcore_device.h`, `rtcore_geometry.h` and `rtcore_scene.h`, the same in 3 and 4.
 const VERSION_MAJOR: c_int = 1;
 const TRIANGLES: c_int = 0;
+const SPHERES: c_int = 50;
 const INDEX_BUFFER: c_int = 0;
 const VERTEX_BUFFER: c_int = 1;
 const UINT3: c_int = 0x5003;
 const FLOAT3: c_int = 0x9003;
+const FLOAT4: c_int = 0x9004;
 const ROBUST: c_int = 1 << 2;
 const INVALID: u32 = u32::MAX;
 const OUT_OF_MEMORY: c_int = 4;
@@ -282,7 +287,23 @@ unsafe fn symbol<T: Copy>(library: &Library, name: &str) -> std::result::Result<
     symbol.map(|symbol| *symbol).map_err(|error| error.to_string())
 }
 
-/// A committed scene of one mesh, with its device.
+/// What a scene is made of.
+#[derive(Clone, Copy)]
+enum Shapes<'a> {
+    Triangles(&'a [crate::Triangle]),
+    Spheres(&'a [Sphere]),
+}
+
+impl Shapes<'_> {
+    fn len(self) -> usize {
+        match self {
+            Shapes::Triangles(triangles) => triangles.len(),
+            Shapes::Spheres(spheres) => spheres.len(),
+        }
+    }
+}
+
+/// A committed scene of one mesh or set of spheres, with its device.
 struct Scene {
     api: &'static Api,
     /// Null only while it is built.
@@ -321,24 +342,26 @@ unsafe extern "C" fn monitor(counter: *mut c_void, bytes: isize, _: bool) -> boo
 }
 
 impl Scene {
-    fn new(api: &'static Api, triangles: &[crate::Triangle], options: Options) -> Result<Self> {
+    fn new(api: &'static Api, shapes: Shapes, options: Options) -> Result<Self> {
         let null = std::ptr::null_mut();
         let mut scene = Self { api, device: null, handle: null, bytes: Box::default() };
         // SAFETY: handles are checked before use; `Drop` releases them on every way out, and after it the counter.
         unsafe {
             scene.device = (api.new_device)(std::ptr::null());
-            scene.check("rtcNewDevice", triangles.len(), scene.device)?;
+            scene.check("rtcNewDevice", shapes.len(), scene.device)?;
             let counter: *const AtomicI64 = &*scene.bytes;
             (api.set_memory_monitor)(scene.device, Some(monitor), counter.cast_mut().cast());
             scene.handle = (api.new_scene)(scene.device);
-            scene.check("rtcNewScene", triangles.len(), scene.handle)?;
+            scene.check("rtcNewScene", shapes.len(), scene.handle)?;
             (api.set_flags)(scene.handle, if options.robust { ROBUST } else { 0 });
             (api.set_quality)(scene.handle, options.quality as c_int);
-            if !triangles.is_empty() {
-                scene.attach(triangles)?;
+            match shapes {
+                _ if shapes.len() == 0 => (),
+                Shapes::Triangles(triangles) => scene.attach(triangles)?,
+                Shapes::Spheres(spheres) => scene.attach_spheres(spheres)?,
             }
             (api.commit)(scene.handle);
-            scene.check("rtcCommitScene", triangles.len(), scene.handle)?;
+            scene.check("rtcCommitScene", shapes.len(), scene.handle)?;
         }
         Ok(scene)
     }
@@ -369,8 +392,32 @@ impl Scene {
         }
     }
 
+    /// Copies the spheres, at least one, into a set of the scene.
+    fn attach_spheres(&self, spheres: &[Sphere]) -> Result<()> {
+        let (api, count) = (self.api, spheres.len());
+        // SAFETY: the device and the scene are not null. The buffer is checked before it is filled, with what it was asked
+        // for: `count` quadruples of 16 bytes, of floats. The geometry is released here on every way out; the scene holds its
+        // own reference.
+        unsafe {
+            let geometry = (api.new_geometry)(self.device, SPHERES);
+            self.check("rtcNewGeometry", count, geometry)?;
+            let buffer = (api.new_buffer)(geometry, VERTEX_BUFFER, 0, FLOAT4, 16, count);
+            let checked = self.check("rtcSetNewGeometryBuffer", count, buffer);
+            if checked.is_ok() {
+                let places = std::slice::from_raw_parts_mut(buffer.cast::<[f32; 4]>(), count);
+                let place = |s: &Sphere| s.centre.extend(s.radius).to_array();
+                places.iter_mut().zip(spheres).for_each(|(to, sphere)| *to = place(sphere));
+                (api.commit_geometry)(geometry);
+                (api.attach)(self.handle, geometry);
+            }
+            (api.release_geometry)(geometry);
+            checked?;
+            self.check("rtcAttachGeometry", count, self.handle)
+        }
+    }
+
     /// An error if `made` is null or the device has one to report.
-    fn check(&self, function: &str, triangles: usize, made: *mut c_void) -> Result<()> {
+    fn check(&self, function: &str, shapes: usize, made: *mut c_void) -> Result<()> {
         // SAFETY: a null device asks for the error of the last attempt to make one.
         let error = unsafe { (self.api.device_error)(self.device) };
         if error == 0 && !made.is_null() {
@@ -378,7 +425,7 @@ impl Scene {
         }
         let cause = if error == OUT_OF_MEMORY { "no memory is left" } else { "see rtcore_device.h" };
         let name = &self.api.name;
-        Err(Error::invalid(format!("{name}: {function} for {triangles} triangles fails with error {error}: {cause}")))
+        Err(Error::invalid(format!("{name}: {function} for {shapes} primitives fails with error {error}: {cause}")))
     }
 
     #[inline]
@@ -442,7 +489,7 @@ impl Accel for Adapter {
         self.labels.bounds
     }
 
-    /// As Embree's memory monitor counts it: with its copy of the triangles.
+    /// As Embree's memory monitor counts it: with its copy of the primitives.
     fn memory(&self) -> Memory {
         let bytes = self.scene.bytes.load(Ordering::Relaxed);
         Memory { structure: u64::try_from(bytes).unwrap_or(0), ..Memory::default() }

@@ -18,7 +18,7 @@ use std::cell::Cell;
 /// # Errors
 /// The crate panics over these triangles or refuses them.
 pub fn parry(soup: Soup) -> Result<Box<dyn Accel>> {
-    let Soup { triangles, labels } = soup;
+    let Soup { shapes: triangles, labels } = soup;
     let corners: Vec<Vector> = triangles.iter().flatten().map(|c| Vector::new(c.x, c.y, c.z)).collect();
     // `Soup` has at most 2^32 / 3 triangles.
     let indices: Vec<[u32; 3]> = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();

@@ -17,7 +17,7 @@ Camera rays go through a random point of each pixel; shadow rays (any hit) from 
 rays (closest hit) from there in random directions and random order. All accelerators are asked for the closest hit and \
 for any hit of every ray: the answers must be equal to the bit, else the exit code is 1. Accelerators that promise no \
 exact answers (see `skipgrid list`) are held against the others, and how they differ is said without a failure. Then each \
-traces the same rays in turns, on one thread; rates are medians of the rounds, the spread is half their range. Ratios \
+traces the same rays in turns, on one thread; rates are by that thread's processor time, medians of the rounds, the spread is half their range. Ratios \
 are against the first accelerator; above 1 means faster, larger or slower to build.
 
 Examples:
@@ -184,8 +184,8 @@ fn verdict(result: &Comparison) -> String {
     out
 }
 
-/// Whether those that promise exact answers agree.
-fn identity(result: &Comparison) -> String {
+/// Whether those that promise exact answers agree, in words.
+pub(super) fn identity(result: &Comparison) -> String {
     let first = &result.rows[result.truth].accel;
     match &result.difference {
         None => {
@@ -303,7 +303,8 @@ fn json(result: &Comparison, args: &Args) -> Value {
     })
 }
 
-fn difference(d: &Difference) -> Value {
+/// The first difference.
+pub(super) fn difference(d: &Difference) -> Value {
     json!({
         "kind": d.kind.name(),
         "index": d.index,

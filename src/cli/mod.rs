@@ -3,6 +3,7 @@
 //! Data go to standard output, everything else to standard error. Exit codes: 0 done and, if something was checked, in
 //! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed; 130 interrupted.
 
+mod bench;
 mod compare;
 mod console;
 mod diff;
@@ -52,6 +53,7 @@ enum Verb {
     Info(info::Args),
     Render(render::Args),
     Compare(compare::Args),
+    Bench(bench::Args),
     Trace(trace::Args),
     Validate(validate::Args),
     Stress(stress::Args),
@@ -88,6 +90,7 @@ pub fn main() -> ExitCode {
         Verb::Info(args) => info::run(&args, &console),
         Verb::Render(args) => render::run(&args, &console),
         Verb::Compare(args) => compare::run(&args, &console),
+        Verb::Bench(args) => bench::run(&args, &console),
         Verb::Trace(args) => trace::run(&args, &console),
         Verb::Validate(args) => validate::run(&args, &console),
         Verb::Stress(args) => stress::run(&args, &console),

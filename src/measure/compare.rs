@@ -2,7 +2,7 @@
 
 use super::machine::Machine;
 use super::rays::{Query, RayKind, RayOptions, RaySet, ray_sets};
-use super::rounds::{build, in_turns, same};
+use super::rounds::{in_turns_alone, same, timed_build};
 use crate::accel::{Accel, Counts, Hit, Memory};
 use crate::error::{Error, Result};
 use crate::ray::Ray;
@@ -27,7 +27,7 @@ impl Default for Rounds {
     }
 }
 
-/// What came out. All times are wall time; rays are traced on one thread, through `&dyn Accel`.
+/// What came out. Rays are traced on one thread, through `&dyn Accel`, and timed by the processor time of that thread.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// The scene's name.
@@ -115,8 +115,10 @@ impl Deviations {
 /// Cost of building.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Build {
-    /// Median of one to three builds, milliseconds.
+    /// Median of one to three builds, milliseconds of wall time, on all cores.
     pub milliseconds: f64,
+    /// The same in milliseconds that all threads together computed.
+    pub cpu_milliseconds: f64,
     /// Bytes held beside the geometry.
     pub memory: Memory,
 }
@@ -124,12 +126,38 @@ pub struct Build {
 /// Speed and work on one ray set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
-    /// Rays traced in a second: median of the rounds.
+    /// Rays traced in a second of processor time: median of the rounds.
     pub rays_per_second: f64,
     /// Half the distance between the fastest and the slowest round, as a share of the median.
     pub spread: f64,
     /// Work for the whole set; independent of the machine.
     pub counts: Counts,
+    /// Rays of the set on which the answers differ.
+    pub differing: u64,
+}
+
+/// An accelerator that is ready to be compared.
+pub struct Built {
+    /// Specification, its name in reports.
+    pub spec: String,
+    /// Whether it promises exact answers; see [`promises_exact`].
+    pub exact: bool,
+    /// Cost of building.
+    pub build: Build,
+    /// The accelerator.
+    pub accel: Box<dyn Accel>,
+}
+
+impl Built {
+    /// Builds by `make` and takes the time: once, and twice more if that is quick.
+    ///
+    /// # Errors
+    /// As `make`.
+    pub fn new(spec: &str, exact: bool, make: impl Fn() -> Result<Box<dyn Accel>>) -> Result<Self> {
+        let (accel, time) = timed_build(make)?;
+        let build = Build { milliseconds: time.wall, cpu_milliseconds: time.cpu, memory: accel.memory() };
+        Ok(Self { spec: spec.to_string(), exact, build, accel })
+    }
 }
 
 /// A ray on which two accelerators disagree.
@@ -174,56 +202,79 @@ pub fn compare_with<S: AsRef<str>>(
             rounds.rounds
         )));
     }
-    let mut accels = Vec::with_capacity(specs.len());
-    let mut rows = Vec::with_capacity(specs.len());
+    let mut built = Vec::with_capacity(specs.len());
     for spec in specs {
         let spec = spec.as_ref();
         progress(&format!("building {spec}"));
-        let (accel, milliseconds) = build(scene, spec)?;
-        let memory = accel.memory();
-        let build = Build { milliseconds, memory };
-        rows.push(Row {
-            accel: spec.to_string(),
-            described: String::new(),
-            build,
-            rates: Vec::new(),
-            exact: promises_exact(spec),
-            deviations: Deviations::default(),
-        });
-        accels.push(accel);
+        built.push(Built::new(spec, promises_exact(spec), || scene.accel(spec))?);
     }
-    let truth = rows.iter().position(|row| row.exact).unwrap_or(0);
     let sets = match &rounds.given {
         Some(rays) => vec![RaySet { kind: RayKind::Given, query: Query::Closest, rays: rays.clone() }],
-        None => ray_sets(scene, &accels[truth], &rounds.rays)?,
+        None => ray_sets(scene, &built[truth_of(&built)].accel, &rounds.rays)?,
     };
+    contest(scene, &built, &sets, rounds.rounds, progress)
+}
 
+/// The accelerator whose answers the others are held against: the first that promises exact ones, else the first.
+fn truth_of(built: &[Built]) -> usize {
+    built.iter().position(|b| b.exact).unwrap_or(0)
+}
+
+/// Compares accelerators that are built over `scene` on `sets`; see [`compare_with`].
+///
+/// # Errors
+/// There is no accelerator or no round.
+pub fn contest(
+    scene: &Scene,
+    built: &[Built],
+    sets: &[RaySet],
+    rounds: u32,
+    progress: &dyn Fn(&str),
+) -> Result<Comparison> {
+    if built.is_empty() || rounds == 0 {
+        return Err(Error::invalid(format!("nothing to compare: {} accelerators, {rounds} rounds", built.len())));
+    }
+    let row = |b: &Built| Row {
+        accel: b.spec.clone(),
+        described: String::new(),
+        build: b.build,
+        rates: Vec::new(),
+        exact: b.exact,
+        deviations: Deviations::default(),
+    };
+    let mut rows: Vec<Row> = built.iter().map(row).collect();
+    let accels: Vec<&dyn Accel> = built.iter().map(|b| &*b.accel).collect();
+    let truth = truth_of(built);
     let mut check = Check::default();
     let mut kinds = Vec::with_capacity(sets.len());
-    for set in &sets {
+    for set in sets {
         let name = set.kind.name();
         progress(&format!("checking {name} rays"));
         let hits: Vec<Option<Hit>> = set.rays.iter().map(|ray| accels[truth].closest_hit(ray)).collect();
-        let first = rows[truth].accel.clone();
+        let first = &built[truth].spec;
         kinds.push(Kind {
             kind: set.kind,
             query: set.query,
             rays: set.rays.len() as u64,
             hits: hits.iter().flatten().count() as u64,
         });
-        let checked = accels.iter().zip(&mut rows);
-        let counts: Vec<Counts> = checked.map(|(accel, row)| check.answers(set, &hits, &first, accel, row)).collect();
+        let checked = |(accel, row): (&&dyn Accel, &mut Row)| {
+            let before = row.deviations.total();
+            let counts = check.answers(set, &hits, first, *accel, row);
+            (counts, row.deviations.total() - before)
+        };
+        let work: Vec<(Counts, u64)> = accels.iter().zip(&mut rows).map(checked).collect();
         progress(&format!("timing {name} rays"));
-        let rates = time(set, &accels, rounds.rounds);
-        for ((row, rate), counts) in rows.iter_mut().zip(rates).zip(counts) {
-            row.rates.push(rate.map(|(rays_per_second, spread)| Rate { rays_per_second, spread, counts }));
+        let rates = time(set, &accels, rounds);
+        for ((row, rate), (counts, differing)) in rows.iter_mut().zip(rates).zip(work) {
+            row.rates.push(rate.map(|(rays_per_second, spread)| Rate { rays_per_second, spread, counts, differing }));
         }
     }
     rows.iter_mut().zip(&accels).for_each(|(row, accel)| row.described = accel.describe());
     Ok(Comparison {
         scene: scene.name.clone(),
         primitives: scene.primitive_count(),
-        rounds: rounds.rounds,
+        rounds,
         machine: Machine::this(),
         kinds,
         rows,
@@ -308,12 +359,12 @@ impl Check {
 }
 
 /// Median rate and spread of each accelerator; `None` if there is no ray.
-fn time(set: &RaySet, accels: &[Box<dyn Accel>], rounds: u32) -> Vec<Option<(f64, f64)>> {
+fn time(set: &RaySet, accels: &[&dyn Accel], rounds: u32) -> Vec<Option<(f64, f64)>> {
     if set.rays.is_empty() {
         return vec![None; accels.len()];
     }
     let rays = set.rays.len() as f64;
-    let paces = in_turns(accels.len(), rounds, |i| trace(set, &accels[i]));
+    let paces = in_turns_alone(accels.len(), rounds, |i| trace(set, accels[i]));
     paces.into_iter().map(|pace| Some((pace.per_second * rays, pace.spread))).collect()
 }
 
@@ -396,7 +447,7 @@ mod tests {
     }
 
     fn row(accel: &str) -> Row {
-        let build = Build { milliseconds: 0.0, memory: Memory::default() };
+        let build = Build { milliseconds: 0.0, cpu_milliseconds: 0.0, memory: Memory::default() };
         let (described, deviations) = (String::new(), Deviations::default());
         Row { accel: accel.into(), described, build, rates: Vec::new(), exact: true, deviations }
     }
@@ -404,7 +455,8 @@ mod tests {
     #[test]
     fn every_accelerator_gets_a_rate_and_an_empty_set_none() {
         let (spheres, mut set) = set();
-        let accels: Vec<Box<dyn Accel>> = vec![Box::new(BruteForce::new(spheres))];
+        let brute = BruteForce::new(spheres);
+        let accels: Vec<&dyn Accel> = vec![&brute];
         assert!(time(&set, &accels, 2)[0].is_some_and(|(rate, spread)| rate > 0.0 && spread >= 0.0));
         set.rays.clear();
         assert_eq!(time(&set, &accels, 2), [None]);

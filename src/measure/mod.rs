@@ -1,11 +1,14 @@
 //! Interleaved measurements of several accelerators on the same rays, and the check that their answers are equal.
 
+mod clock;
 mod compare;
 mod machine;
 pub mod npy;
 mod rays;
 pub(crate) mod rounds;
 
-pub use compare::{Build, Comparison, Deviations, Difference, Kind, Rate, Rounds, Row, compare, compare_with};
+pub use compare::{
+    Build, Built, Comparison, Deviations, Difference, Kind, Rate, Rounds, Row, compare, compare_with, contest,
+};
 pub use machine::Machine;
 pub use rays::{Query, RayKind, RayOptions, RaySet, ray_sets};

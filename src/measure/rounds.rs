@@ -1,9 +1,9 @@
 //! How anything is timed here: contenders in turns, medians of the rounds.
 
+use super::clock::{process_seconds, thread_seconds, wall_seconds};
 use crate::accel::{Accel, Hit};
 use crate::error::Result;
 use crate::scene::Scene;
-use std::time::{Duration, Instant};
 
 /// Speed of one contender.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,27 +14,41 @@ pub(crate) struct Pace {
     pub spread: f64,
 }
 
-/// Times `pass(i)` for each contender `i`, in turns.
+/// Times `pass(i)` for each contender `i`, in turns, by the wall clock: passes may use several threads.
 ///
 /// Short passes are repeated for each reading, so that a reading takes milliseconds; a first pass of each, which is not
 /// a reading, tells how often. The contender that goes first changes from round to round. `rounds` is at least 1.
 pub(crate) fn in_turns(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Pace> {
+    paces(readings(contenders, rounds, pass))
+}
+
+/// As [`in_turns`], for passes that keep to this thread: by the processor time that it gets, so that other programs matter
+/// less.
+pub(crate) fn in_turns_alone(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Pace> {
+    paces(readings_by(thread_seconds, contenders, rounds, pass))
+}
+
+fn paces(readings: Vec<Vec<f64>>) -> Vec<Pace> {
     let pace = |mut rates: Vec<f64>| {
         let per_second = median(&mut rates);
         // `median` has sorted them; there is at least one.
         let spread = rates.last().zip(rates.first()).map_or(0.0, |(max, min)| (max - min) / 2.0 / per_second);
         Pace { per_second, spread }
     };
-    readings(contenders, rounds, pass).into_iter().map(pace).collect()
+    readings.into_iter().map(pace).collect()
 }
 
 /// As [`in_turns`], but gives the passes in a second of each contender in each round, in the order of the rounds.
 pub(crate) fn readings(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Vec<f64>> {
+    readings_by(wall_seconds, contenders, rounds, pass)
+}
+
+fn readings_by(clock: fn() -> f64, contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Vec<f64>> {
     const READING: f64 = 2e-3;
     let seconds = |contender: usize, repeats: u32| {
-        let start = Instant::now();
+        let start = clock();
         (0..repeats).for_each(|_| pass(contender));
-        start.elapsed().as_secs_f64().max(1e-9)
+        (clock() - start).max(1e-9)
     };
     let repeats: Vec<u32> =
         (0..contenders).map(|i| (READING / seconds(i, 1)).ceil().clamp(1.0, 10_000.0) as u32).collect();
@@ -48,17 +62,33 @@ pub(crate) fn readings(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> 
     readings
 }
 
-/// Builds once, and twice more if that is quick; gives the median in milliseconds.
+/// Builds once, and twice more if that is quick; gives the median in milliseconds of wall time.
 pub(crate) fn build(scene: &Scene, spec: &str) -> Result<(Box<dyn Accel>, f64)> {
-    const QUICK: Duration = Duration::from_millis(200);
-    let mut times = Vec::new();
+    let (accel, time) = timed_build(|| scene.accel(spec))?;
+    Ok((accel, time.wall))
+}
+
+/// What a build takes, milliseconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BuildTime {
+    /// From beginning to end.
+    pub wall: f64,
+    /// Computed by all threads together.
+    pub cpu: f64,
+}
+
+/// Builds once, and twice more if that is quick; gives medians.
+pub(crate) fn timed_build(make: impl Fn() -> Result<Box<dyn Accel>>) -> Result<(Box<dyn Accel>, BuildTime)> {
+    const QUICK_MS: f64 = 200.0;
+    let (mut wall, mut cpu) = (Vec::new(), Vec::new());
     loop {
-        let start = Instant::now();
-        let accel = scene.accel(spec)?;
-        let time = start.elapsed();
-        times.push(time.as_secs_f64() * 1e3);
-        if time > QUICK || times.len() == 3 {
-            return Ok((accel, median(&mut times)));
+        let (start, cpu_start) = (wall_seconds(), process_seconds());
+        let accel = make()?;
+        let last = (wall_seconds() - start) * 1e3;
+        cpu.push((process_seconds() - cpu_start) * 1e3);
+        wall.push(last);
+        if last > QUICK_MS || wall.len() == 3 {
+            return Ok((accel, BuildTime { wall: median(&mut wall), cpu: median(&mut cpu) }));
         }
     }
 }
@@ -92,6 +122,7 @@ mod tests {
 
     #[test]
     fn every_contender_gets_a_pace() {
+        assert!(in_turns_alone(1, 1, |_| ())[0].per_second > 0.0);
         let paces = in_turns(3, 2, |_| ());
         assert_eq!(paces.len(), 3);
         assert!(paces.iter().all(|p| p.per_second > 0.0 && p.spread >= 0.0), "{paces:?}");

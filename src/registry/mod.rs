@@ -17,7 +17,7 @@ pub use variants::{peers, variants, walks};
 use crate::accel::{Accel, BruteForce, PointShadows};
 #[cfg(feature = "obvhs")]
 use crate::adapters::obvhs::{self, Preset};
-use crate::adapters::soup::Soup;
+use crate::adapters::soup::{Given, Soup};
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::grid::skip::{
@@ -53,6 +53,8 @@ pub enum Needs {
     SolidVoxels,
     /// Triangles alone: every primitive with [`Geometry::triangle`].
     Triangles,
+    /// Triangles alone, or spheres alone: every primitive with [`Geometry::sphere`].
+    OneKind,
 }
 
 impl Entry {
@@ -62,6 +64,10 @@ impl Entry {
             Needs::Any => true,
             Needs::SolidVoxels => geometry.solid().is_some(),
             Needs::Triangles => (0..geometry.len()).all(|prim| geometry.triangle(prim).is_some()),
+            Needs::OneKind => {
+                let all = |is: &dyn Fn(u32) -> bool| (0..geometry.len()).all(is);
+                all(&|prim| geometry.triangle(prim).is_some()) || all(&|prim| geometry.sphere(prim).is_some())
+            }
         }
     }
 
@@ -257,11 +263,16 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
             Box::new(obvhs::cwbvh(geometry, preset))
         }
         name if peers::has(name) => {
-            let soup = Soup::of(&geometry).map_err(|error| match error {
+            let given = if peers::takes_spheres(name) {
+                Given::of(&geometry)
+            } else {
+                Soup::of(&geometry).map(Given::Triangles)
+            };
+            let given = given.map_err(|error| match error {
                 Error::Invalid { cause } => spec.error(cause),
                 other => other,
             })?;
-            peers::build(spec, soup)?
+            peers::build(spec, given)?
         }
         _ => return Err(spec.unknown_name(ENTRIES)),
     })

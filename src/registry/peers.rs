@@ -8,7 +8,7 @@ use crate::adapters::bvh;
 use crate::adapters::embree::{self, Quality};
 #[cfg(feature = "parry")]
 use crate::adapters::parry;
-use crate::adapters::soup::Soup;
+use crate::adapters::soup::Given;
 #[cfg(feature = "obvhs")]
 use crate::adapters::{obvhs::Preset, obvhs_native};
 use crate::error::Result;
@@ -19,39 +19,49 @@ const fn peer(name: &'static str, summary: &'static str, options: &'static str, 
     Entry { name, summary, options, source, needs: Needs::Triangles, exact: false }
 }
 
+/// Those that take spheres as well.
+#[allow(dead_code, reason = "none may be compiled in")]
+const fn round(entry: Entry) -> Entry {
+    Entry { needs: Needs::OneKind, ..entry }
+}
+
 #[cfg(feature = "obvhs")]
 const PRESETS: &str = "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)";
 
 #[cfg(feature = "obvhs")]
-pub(super) const OBVHS_BVH2: Entry = peer(
+pub(super) const OBVHS_BVH2: Entry = round(peer(
     "obvhs-native-bvh2",
-    "peer, not exact: two-wide BVH of the crate obvhs with its own triangle test",
+    "peer, not exact: two-wide BVH of the crate obvhs with its own triangle test, or a plain one of spheres",
     PRESETS,
     "obvhs 0.4 as its authors intend",
-);
+));
 
 #[cfg(feature = "obvhs")]
-pub(super) const OBVHS_CWBVH: Entry = peer(
+pub(super) const OBVHS_CWBVH: Entry = round(peer(
     "obvhs-native-cwbvh",
-    "peer, not exact: eight-wide compressed BVH of the crate obvhs with its own triangle test",
+    "peer, not exact: eight-wide compressed BVH of the crate obvhs with its own triangle test, or a plain one of spheres",
     PRESETS,
     "obvhs 0.4 as its authors intend",
-);
+));
 
 #[cfg(feature = "embree")]
 const QUALITIES: &str = "quality=low|medium|high (medium)";
 
 #[cfg(feature = "embree")]
-pub(super) const EMBREE: Entry = peer(
+pub(super) const EMBREE: Entry = round(peer(
     "embree",
     "peer, not exact: Intel's Embree 3 or 4 as it is by default, opened at run time",
     QUALITIES,
     "Wald et al. 2014, \"Embree: a kernel framework for efficient CPU ray tracing\"",
-);
+));
 
 #[cfg(feature = "embree")]
-pub(super) const EMBREE_ROBUST: Entry =
-    peer("embree-robust", "peer, not exact: Embree with its robust flag, which avoids holes", QUALITIES, EMBREE.source);
+pub(super) const EMBREE_ROBUST: Entry = round(peer(
+    "embree-robust",
+    "peer, not exact: Embree with its robust flag, which avoids holes",
+    QUALITIES,
+    EMBREE.source,
+));
 
 #[cfg(feature = "bvh")]
 pub(super) const BVH: Entry =
@@ -90,6 +100,11 @@ pub(super) fn missing(name: &str) -> Option<String> {
     }
 }
 
+/// True if the accelerator `name` takes spheres alone as well as triangles alone.
+pub(super) fn takes_spheres(name: &str) -> bool {
+    super::ENTRIES.iter().any(|entry| entry.name == name && entry.needs == Needs::OneKind)
+}
+
 /// True if [`build`] knows the accelerator `name`.
 pub(super) fn has(name: &str) -> bool {
     let native = cfg!(feature = "obvhs") && matches!(name, "obvhs-native-bvh2" | "obvhs-native-cwbvh");
@@ -97,16 +112,26 @@ pub(super) fn has(name: &str) -> bool {
     native || embree || (cfg!(feature = "bvh") && name == "bvh") || (cfg!(feature = "parry") && name == "parry")
 }
 
-/// Builds the peer that `spec` describes. Not generic: peers copy the triangles.
+/// What peers of triangles alone are given.
+#[cfg(any(feature = "bvh", feature = "parry"))]
+fn triangles(given: Given) -> crate::adapters::soup::Soup {
+    match given {
+        Given::Triangles(soup) => soup,
+        Given::Spheres(_) => unreachable!("spheres are given to others only"),
+    }
+}
+
+/// Builds the peer that `spec` describes; spheres are given only to those that [`takes_spheres`] names. Not generic: peers
+/// copy the primitives.
 #[allow(unused_mut, unused_variables, reason = "not all peers have options, and none may be compiled in")]
-pub(super) fn build(mut spec: Spec, soup: Soup) -> Result<Box<dyn Accel>> {
+pub(super) fn build(mut spec: Spec, given: Given) -> Result<Box<dyn Accel>> {
     match spec.name() {
         #[cfg(feature = "obvhs")]
         name @ ("obvhs-native-bvh2" | "obvhs-native-cwbvh") => {
             let make = if name == "obvhs-native-bvh2" { obvhs_native::bvh2 } else { obvhs_native::cwbvh };
             let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
             spec.finish()?;
-            make(soup, preset)
+            make(given, preset)
         }
         #[cfg(feature = "embree")]
         name @ ("embree" | "embree-robust") => {
@@ -116,17 +141,17 @@ pub(super) fn build(mut spec: Spec, soup: Soup) -> Result<Box<dyn Accel>> {
             if let Some(cause) = embree::missing() {
                 return Err(spec.error(cause));
             }
-            embree::embree(soup, embree::Options { quality, robust })
+            embree::embree(given, embree::Options { quality, robust })
         }
         #[cfg(feature = "bvh")]
         "bvh" => {
             spec.finish()?;
-            bvh::bvh(soup)
+            bvh::bvh(triangles(given))
         }
         #[cfg(feature = "parry")]
         "parry" => {
             spec.finish()?;
-            parry::parry(soup)
+            parry::parry(triangles(given))
         }
         _ => unreachable!("asked for peers that it has"),
     }

@@ -51,11 +51,11 @@ impl Contender {
     }
 
     /// True if it can be built over such primitives.
-    pub(super) fn suits(&self, geometry: &SceneGeometry) -> bool {
+    pub(crate) fn suits(&self, geometry: &SceneGeometry) -> bool {
         self.entry.is_none_or(|entry| with_geometry!(*geometry, g => entry.suits(g)))
     }
 
-    pub(super) fn build(&self, geometry: &SceneGeometry, resolution: Option<&str>) -> Result<Box<dyn Accel>> {
+    pub(crate) fn build(&self, geometry: &SceneGeometry, resolution: Option<&str>) -> Result<Box<dyn Accel>> {
         (self.build)(geometry, resolution)
     }
 }

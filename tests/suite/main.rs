@@ -1,5 +1,6 @@
 //! One test program: behaviour through the public interface.
 mod bad_input;
+mod bench;
 mod bezier;
 mod bsp;
 mod cli;

@@ -3,6 +3,7 @@
 
 use crate::random::Random;
 use glam::Vec3;
+use skipgrid::geometry::Mixed;
 use skipgrid::registry::{self, Entry, Needs};
 use skipgrid::scene::SceneGeometry;
 use skipgrid::{Accel, Hit, Ray, Sphere, Triangle};
@@ -268,18 +269,46 @@ fn peers_trace_in_several_threads_at_once() {
 }
 
 #[test]
-fn peers_take_triangles_alone() {
-    let spheres = vec![Sphere { centre: Vec3::ZERO, radius: 1.0 }];
+fn peers_take_one_kind_of_primitive_and_some_triangles_alone() {
+    let sphere = |x: f32, radius| Sphere { centre: Vec3::X * x, radius };
+    let spheres = vec![sphere(0.0, 1.0), sphere(5.0, 2.0), sphere(5.0, -1.0), sphere(9.0, 1.5)];
+    let mixed = Mixed { triangles: vec![[Vec3::ZERO, Vec3::X, Vec3::Y]], spheres: spheres.clone() };
     for entry in peers() {
-        assert_eq!((entry.needs, entry.suits(&spheres)), (Needs::Triangles, false), "{}", entry.name);
-        let Err(error) = SceneGeometry::Spheres(Arc::new(spheres.clone())).accel(entry.name) else {
-            panic!("{} was built", entry.name)
-        };
-        let (name, text) = (entry.name, error.to_string());
+        let name = entry.name;
+        let round = entry.needs == Needs::OneKind;
+        assert_eq!((entry.suits(&spheres), entry.suits(&mixed)), (round, false), "{name}");
+        let Err(error) = SceneGeometry::Mixed(Arc::new(mixed.clone())).accel(name) else { panic!("{name} was built") };
+        let text = error.to_string();
         assert_eq!(
             text,
-            format!("accelerator `{name}`: needs a scene of triangles alone, but primitive 0 of 1 is none")
+            format!("accelerator `{name}`: needs a scene of triangles alone, but primitive 1 of 5 is none")
         );
+        let built = SceneGeometry::Spheres(Arc::new(spheres.clone())).accel(name);
+        if !round {
+            assert!(built.is_err_and(|e| e.to_string().contains("primitive 0 of 4 is none")), "{name}");
+            continue;
+        }
+        let accel = built.unwrap_or_else(|e| panic!("{e}"));
+        // By hand: the near side of the first, the far side of it from within, a sphere beyond, past all, and a short ray.
+        // The direction has length 2.
+        for (x, y, range, right) in [
+            (-3.0, 0.0, (0.0, f32::INFINITY), Some((1.0, 0))),
+            (0.0, 0.0, (0.0, f32::INFINITY), Some((0.5, 0))),
+            (1.5, 0.0, (0.0, f32::INFINITY), Some((0.75, 1))),
+            (-3.0, 1.5, (0.0, f32::INFINITY), Some(((8.0 - 1.75_f32.sqrt()) / 2.0, 1))),
+            (-3.0, 2.5, (0.0, f32::INFINITY), None),
+            (-3.0, 0.0, (0.0, 0.9), None),
+            (-3.0, 0.0, (2.5, 4.5), Some((3.0, 1))),
+        ] {
+            let ray = Ray::new(Vec3::new(x, y, 0.0), 2.0 * Vec3::X).with_range(range.0, range.1);
+            let hit = accel.closest_hit(&ray);
+            assert_eq!(prim(hit), right.map(|(_, prim)| prim), "{name} {x} {y} {range:?}: {hit:?}");
+            assert_eq!(accel.any_hit(&ray), right.is_some(), "{name} {x} {y} {range:?}");
+            if let (Some(hit), Some((t, _))) = (hit, right) {
+                // A few roundings of f32.
+                assert!((hit.t - t).abs() <= 1e-6 * t.max(1.0), "{name} {x} {y}: {} for {t}", hit.t);
+            }
+        }
     }
 }
 

@@ -32,9 +32,13 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "scene", "stress",
         ],
     ),
+    ("bench", &["error", "measure", "papers", "registry", "scene", "stress"]),
     (
         "cli",
-        &["accel", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "stress", "validate"],
+        &[
+            "accel", "bench", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "stress",
+            "validate",
+        ],
     ),
 ];
 

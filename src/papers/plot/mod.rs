@@ -1,10 +1,12 @@
-//! Plots as SVG: dots in rows, lines, and spots; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
+//! Plots as SVG: bars, dots in rows, lines, and spots; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
 
+mod bars;
 mod dots;
 mod lines;
 mod scale;
 mod scatter;
 
+pub use bars::{Bars, Group};
 pub use dots::{Dots, Panel};
 pub use lines::{Line, Lines};
 pub use scatter::{Scatter, Spot};
@@ -14,6 +16,8 @@ use std::fmt::Write as _;
 /// What there is to look at.
 #[derive(Clone, Debug)]
 pub enum Plot {
+    /// Groups of bars.
+    Bars(Bars),
     /// Panels of rows.
     Dots(Dots),
     /// One panel of lines.
@@ -26,6 +30,7 @@ impl Plot {
     /// A whole SVG document.
     pub fn svg(&self) -> String {
         match self {
+            Plot::Bars(bars) => bars.svg(),
             Plot::Dots(dots) => dots.svg(),
             Plot::Lines(lines) => lines.svg(),
             Plot::Scatter(scatter) => scatter.svg(),

@@ -123,6 +123,7 @@ pub(super) struct Procedural {
     pub depth: Option<u64>,
     pub seed: Option<u64>,
     pub sides: Option<u64>,
+    pub balls: Option<u64>,
     #[serde(default)]
     pub materials: Vec<Spanned<String>>,
     pub scale: Option<Scale>,

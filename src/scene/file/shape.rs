@@ -137,7 +137,8 @@ impl Reader<'_> {
         let p = procedural.into_inner();
         let (transform, scale) =
             self.placement(at, Place { scale: p.scale, rotate: p.rotate, translate: p.translate })?;
-        let options = Options { n: p.n, depth: p.depth, seed: p.seed, sides: p.sides, ..Options::default() };
+        let (n, depth, seed, sides, balls) = (p.n, p.depth, p.seed, p.sides, p.balls);
+        let options = Options { n, depth, seed, sides, balls, ..Options::default() };
         let fail = |e: Error| self.fail(at, format!("procedural: {e}"));
         let body = procedural::body(&p.kind, &options, &self.loading.budget).map_err(fail)?;
         let mut materials = Vec::new();

@@ -17,6 +17,10 @@ pub(super) const ENTRY: Entry = Entry {
     stage,
 };
 
+/// Of one kind of primitive, for accelerators that take no scene of both.
+pub(super) const ALONE: Entry =
+    Entry { name: "sphereflake", summary: "flakes without the floor: spheres alone, z up", stage: alone, ..ENTRY };
+
 /// Directions from a sphere that points to +z to its nine children, rounded as in the original.
 #[expect(clippy::approx_constant, reason = "the digits are the original's")]
 const CHILDREN: [[f64; 3]; 9] = [
@@ -75,13 +79,18 @@ pub(super) fn floor() -> Mesh {
     }
 }
 
-fn stage(_: &Options) -> Stage {
+fn stage(options: &Options) -> Stage {
+    Stage { props: vec![(floor(), lambert("floor", 0.8, 0.6, 0.264))], ..alone(options) }
+}
+
+/// Without the floor.
+pub(super) fn alone(_: &Options) -> Stage {
     // The original's lights do not weaken with distance; these give about as much at theirs.
     let lights = [[4.0, 3.0, 2.0], [1.0, -4.0, 4.0], [-3.0, 1.0, 5.0]];
     let light = |p| Light::Point { position: DVec3::from_array(p), intensity: Vec3::splat(16.0) };
     Stage {
         palette: vec![lambert("ball", 0.5, 0.45, 0.35), mirror("polished ball", 0.7)],
-        props: vec![(floor(), lambert("floor", 0.8, 0.6, 0.264))],
+        props: Vec::new(),
         lights: lights.map(light).to_vec(),
         environment: Vec3::new(0.078, 0.361, 0.753),
         camera: look([2.1, 1.3, 1.7], [0.0; 3], DVec3::Z, 45.0),

@@ -2,13 +2,19 @@
 
 mod bumpy;
 mod cars;
+mod city;
 mod cornell;
 mod cubes;
 mod flakes;
+mod giant;
+mod icosphere;
+mod icospheres;
 mod knot;
 mod lanes;
+mod overlap;
 pub(super) mod patch;
 mod random;
+mod soup;
 pub mod spd;
 mod teapot;
 mod teapot_patches;
@@ -57,6 +63,14 @@ pub const ENTRIES: &[Entry] = &[
     bumpy::ENTRY,
     cubes::ENTRY,
     terrain::ENTRY,
+    overlap::ENTRY,
+    flakes::ALONE,
+    giant::ENTRY,
+    icospheres::ENTRY,
+    city::ENTRY,
+    soup::SOUP,
+    soup::BIG,
+    soup::STICKS,
     spd::balls::ENTRY,
     spd::gears::ENTRY,
     spd::jacks::ENTRY,
@@ -81,6 +95,8 @@ pub struct Options {
     pub seed: Option<u64>,
     /// Sides of each cone and cylinder.
     pub sides: Option<u64>,
+    /// Spheres of triangles: halvings of an icosahedron's edges.
+    pub balls: Option<u64>,
     /// Primitives that there is memory for.
     pub(super) room: Option<u64>,
 }
@@ -107,12 +123,14 @@ impl Options {
             "n" => self.n = Some(value),
             "depth" => self.depth = Some(value),
             "sides" => self.sides = Some(value),
+            "balls" => self.balls = Some(value),
             _ => self.seed = Some(value),
         }
     }
 
     fn given(&self) -> impl Iterator<Item = &'static str> {
-        let all = [("n", self.n), ("depth", self.depth), ("seed", self.seed), ("sides", self.sides)];
+        let all =
+            [("n", self.n), ("depth", self.depth), ("seed", self.seed), ("sides", self.sides), ("balls", self.balls)];
         all.into_iter().filter_map(|(key, value)| value.map(|_| key))
     }
 }
@@ -383,7 +401,9 @@ mod tests {
 
     #[test]
     fn closed_bodies_are_closed_and_turned_outwards() {
-        for spec in ["knot:n=64", "bumpy:n=24", "cubes:n=3", "cars:n=2", "spd-gears:n=3", "spd-tetra:n=1"] {
+        for spec in
+            ["knot:n=64", "bumpy:n=24", "cubes:n=3", "cars:n=2", "spd-gears:n=3", "spd-tetra:n=1", "icospheres:n=3"]
+        {
             let body = {
                 let (name, _) = spec.split_once(':').expect("an option");
                 let n = spec.rsplit('=').next().and_then(|n| n.parse().ok());
@@ -394,6 +414,9 @@ mod tests {
                 assert!(volume6(mesh) > 0.0, "{spec} `{}`", mesh.name);
             }
         }
+        // A ball of 20480 triangles has all but a thousandth of its sphere's volume.
+        let ball = volume6(&icosphere::unit(5)) / 6.0 * 0.75 / std::f64::consts::PI;
+        assert!(ball > 0.999 && ball < 1.0, "{ball}");
         // 27 cubes of edge 0.4.
         let cubes = body("cubes", &Options { n: Some(3), ..Options::default() }).expect("valid options");
         let volume: f64 = cubes.meshes.iter().map(volume6).sum::<f64>() / 6.0;
@@ -409,6 +432,17 @@ mod tests {
         assert_eq!(made("lanes:n=6").spheres.len(), 216);
         assert_eq!(made("random").spheres.len(), 1000);
         assert_eq!(triangles("cornell"), 6 * 2 + 2 * 12);
+        assert_eq!(triangles("city:n=5"), 25 * 12 + 2);
+        assert_eq!(triangles("icospheres:n=7,balls=1"), 7 * 80);
+        for soup in ["soup:n=9", "big-soup:n=9", "sticks:n=9"] {
+            assert_eq!(triangles(soup), 9);
+        }
+        // Balls of triangles are beside what they are balls of.
+        assert_eq!(triangles("spd-mount:n=3,balls=2"), 2 * 64 + 4 * 320);
+        assert_eq!(triangles("spd-tree:n=2,sides=5,balls=0"), 7 * (10 + 20) + 2);
+        assert!(made("spd-tree:n=2,balls=0").spheres.is_empty());
+        assert_eq!((made("giant-sphere:depth=1").spheres.len(), triangles("giant-sphere:depth=1")), (11, 0));
+        assert_eq!((triangles("flakes:depth=1"), triangles("sphereflake:depth=1")), (2, 0));
     }
 
     #[test]
@@ -449,6 +483,7 @@ mod tests {
             ("random:n", "key=value"),
             ("cornell:n=3", "no options"),
             ("flakes:depth=8", "depth=8 is not within 0 to 7"),
+            ("icospheres:balls=8", "balls=8 is not within 0 to 7"),
         ] {
             let message = parse(spec).expect_err(spec).to_string();
             assert!(message.contains(cause) && message.contains(spec), "{spec}: {message}");

@@ -139,7 +139,7 @@ mod tests {
             ("spd-gears:n=21", "5297294 primitives, at most 5000000 are made"),
             ("spd-tree:n=17", "8650721 primitives, at most"),
             ("spd-tree:n=16,sides=64", "at most 5000000"),
-            ("spd-mount:n=8", "n=8 is not within 1 to 7"),
+            ("spd-mount:n=11", "n=11 is not within 1 to 10"),
             ("spd-lattice:sides=2", "sides=2 is not within 3 to 256"),
         ] {
             let error = procedural::parse(spec).expect_err(spec).to_string();

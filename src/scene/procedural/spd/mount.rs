@@ -1,8 +1,9 @@
 //! Mount: a fractal mountain after Carpenter, four glass balls above it.
 
+use super::super::icosphere;
 use super::super::patch::{Edge, patch};
 use super::setting::{Setting, glass, surface};
-use super::{Body, Entry, Options, Stage};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::{DQuat, DVec3};
@@ -11,10 +12,11 @@ use std::f64::consts::{SQRT_2, TAU};
 pub(in super::super) const ENTRY: Entry = Entry {
     name: "spd-mount",
     summary: "SPD mount: a fractal mountain of 8192 triangles and four glass balls; z up",
-    options: "n: size factor, halvings of the edge (6)",
+    options: "n: size factor, halvings of the edge (6); balls: triangles instead of spheres, halvings of an icosahedron's \
+              edges",
     slots: "0 mountain, 1 balls",
     source: "Haines 1987, SPD 3.14 mount, with the faulty hash that is kept for comparison",
-    keys: &["n"],
+    keys: &["n", "balls"],
     body,
     stage,
 };
@@ -27,8 +29,9 @@ const BALL_RADIUS: f64 = 0.17;
 const BALLS_CENTRE: DVec3 = DVec3::new(-0.8, 0.8, 1.0);
 
 fn body(options: &Options) -> Result<Body> {
-    // The hash shifts by 7 - n.
-    let n = options.n(6, 1..=7)?;
+    let n = options.n(6, 1..=10)?;
+    let level = options.balls()?;
+    options.limit_size((2_u64 << (2 * n)) + level.map_or(4, |level| 4 * icosphere::triangles(level)))?;
     let steps = 1 << n;
     let coordinate = |u: f64| 2.0 * u - 1.0;
     let mut mesh = patch("mountain", (steps, Edge::Open), (steps, Edge::Open), |u, v| {
@@ -37,8 +40,13 @@ fn body(options: &Options) -> Result<Body> {
     mesh.normals = Vec::new();
     // Samples of a patch run along u first, as the heights along x.
     mesh.positions.iter_mut().zip(heights(n)).for_each(|(p, z)| p.z = z as f32);
-    let sphere = |centre: DVec3| (Sphere { centre: centre.as_vec3(), radius: BALL_RADIUS as f32 }, 1);
-    Ok(Body { meshes: vec![mesh], spheres: balls().map(sphere).to_vec(), ..Body::default() })
+    let balls = balls().map(|centre| Sphere { centre: centre.as_vec3(), radius: BALL_RADIUS as f32 });
+    let Some(level) = level else {
+        return Ok(Body { meshes: vec![mesh], spheres: balls.map(|ball| (ball, 1)).to_vec(), ..Body::default() });
+    };
+    let unit = icosphere::unit(level);
+    let balls = balls.map(|ball| Mesh { material: 1, ..icosphere::placed(&unit, &ball) });
+    Ok(Body { meshes: std::iter::once(mesh).chain(balls).collect(), ..Body::default() })
 }
 
 /// Heights of the (2^n + 1)^2 grid points, x first, by halving squares.
@@ -71,9 +79,12 @@ fn heights(n: u32) -> Vec<f64> {
     z
 }
 
-/// SPD's hash of a grid point at size `n`, 1 to 7; 16 bits, and not a good one.
+/// SPD's hash of a grid point at size `n`, 1 to 15; 16 bits, and not a good one.
+///
+/// Beyond 7 SPD shifts by less than nothing, which C leaves open; here that is a shift to the right.
 fn hash(x: u64, y: u64, n: u32) -> u64 {
-    ((x << (23 - n)) + (y << (15 - n)) + (x << (7 - n))) & 0xffff
+    let last = if n <= 7 { x << (7 - n) } else { x >> (n - 7) };
+    ((x << (23 - n)) + (y << (15 - n)) + last) & 0xffff
 }
 
 /// A normally distributed number by the polar method, from SPD's linear congruential generator.

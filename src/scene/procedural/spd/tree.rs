@@ -1,5 +1,6 @@
 //! Tree: branches that fork in two, after Aono and Kunii, on a field far larger than the tree.
 
+use super::super::icosphere;
 use super::super::patch::append;
 use super::setting::{Setting, surface};
 use super::tube::{End, tube};
@@ -11,10 +12,11 @@ use glam::{DAffine3, DQuat, DVec3};
 pub(in super::super) const ENTRY: Entry = Entry {
     name: "spd-tree",
     summary: "SPD tree: 4095 cones and 4095 spheres on a field of side 100; z up",
-    options: "n: size factor, times that a branch forks (11); sides of a cone (16)",
+    options: "n: size factor, times that a branch forks (11); sides of a cone (16); balls: triangles instead of spheres, halvings \
+              of an icosahedron's edges",
     slots: "all have slot 0",
     source: "Haines 1987, SPD 3.14 tree; after Aono & Kunii 1984",
-    keys: &["n", "sides"],
+    keys: &["n", "sides", "balls"],
     body,
     stage,
 };
@@ -27,8 +29,9 @@ const GIRTH: f64 = 0.15;
 const TAPER: f64 = 0.67;
 
 fn body(options: &Options) -> Result<Body> {
-    let (n, sides) = (options.n(11, 1..=40)?, options.sides()?);
-    options.limit_size(((2_u64 << n) - 1) * (1 + 2 * u64::from(sides)) + 2)?;
+    let (n, sides, halvings) = (options.n(11, 1..=40)?, options.sides()?, options.balls()?);
+    let ball = halvings.map_or(1, icosphere::triangles);
+    options.limit_size(((2_u64 << n) - 1).saturating_mul(ball + 2 * u64::from(sides)) + 2)?;
     let forks = FORKS.map(|[branch, divergence, contraction]| {
         let turn = DQuat::from_rotation_z(divergence.to_radians()) * DQuat::from_rotation_x(branch.to_radians());
         DAffine3::from_scale_rotation_translation(DVec3::splat(contraction), turn, DVec3::Z)
@@ -50,7 +53,12 @@ fn body(options: &Options) -> Result<Body> {
             level = level.iter().flat_map(|&frame| forks.map(|fork| frame * fork)).collect();
         }
     }
-    Ok(Body { meshes: vec![branches], spheres, ..Body::default() })
+    let Some(halvings) = halvings else {
+        return Ok(Body { meshes: vec![branches], spheres, ..Body::default() });
+    };
+    let (unit, mut balls) = (icosphere::unit(halvings), Mesh { name: "joints".into(), ..Mesh::default() });
+    spheres.iter().for_each(|(sphere, _)| append(&mut balls, icosphere::placed(&unit, sphere)));
+    Ok(Body { meshes: vec![branches, balls], ..Body::default() })
 }
 
 fn stage(_: &Options) -> Stage {

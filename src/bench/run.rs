@@ -1,0 +1,142 @@
+//! Runs the benchmark, scene by scene.
+
+use super::catalogue::{BenchScene, Source};
+use super::study::{KINDS, SceneResult, Study};
+use crate::error::{Error, Result};
+use crate::measure::{Built, Machine, RayKind, RayOptions, contest, ray_sets};
+use crate::scene::{LoadOptions, Scene, load};
+use crate::stress::Contender;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Timed rounds, at least 1.
+    pub rounds: u32,
+    /// Most rays of a kind, at least 1: the film of the camera rays is the largest square with no more pixels.
+    pub rays: u32,
+    /// Same seed, same rays.
+    pub seed: u64,
+    /// Samples a pixel of the images whose times are computed.
+    pub spp: Vec<u32>,
+    /// Kinds of rays, of [`KINDS`]; none: all.
+    pub kinds: Vec<RayKind>,
+    /// What others are held against; those that do not run have no column.
+    pub anchors: Vec<String>,
+    /// Scenes of the catalogue with more primitives are left out unless named.
+    pub most_primitives: u32,
+    /// The folder of the scenes that are files.
+    pub shared: PathBuf,
+}
+
+/// Measures `contenders` on `scenes`. Calls `progress` before each stage with the number of scenes done and a few words; ends
+/// early, between scenes, once `stop` is set.
+///
+/// A scene of the catalogue that is too large or whose file is missing is left out, with the reason in the result; so is
+/// an accelerator on a scene that it cannot be built over.
+///
+/// # Errors
+/// There is nothing to measure; a scene cannot be loaded.
+pub fn run(
+    scenes: &[BenchScene],
+    contenders: &[Contender],
+    options: &Options,
+    progress: &dyn Fn(usize, &str),
+    stop: &AtomicBool,
+) -> Result<Study> {
+    let kinds: Vec<RayKind> =
+        KINDS.into_iter().filter(|kind| options.kinds.is_empty() || options.kinds.contains(kind)).collect();
+    if contenders.is_empty() || options.rounds == 0 || options.rays == 0 {
+        let (accels, rounds, rays) = (contenders.len(), options.rounds, options.rays);
+        return Err(Error::invalid(format!("nothing to measure: {accels} accelerators, {rounds} rounds, {rays} rays")));
+    }
+    let runs = |anchor: &&String| contenders.iter().any(|contender| contender.name == **anchor);
+    let mut study = Study {
+        machine: Machine::this(),
+        rounds: options.rounds,
+        rays: options.rays,
+        seed: options.seed,
+        spp: options.spp.clone(),
+        anchors: options.anchors.iter().filter(runs).cloned().collect(),
+        kinds,
+        scenes: Vec::new(),
+        left_out: Vec::new(),
+        interrupted: false,
+    };
+    for (i, scene) in scenes.iter().enumerate() {
+        if stop.load(Ordering::SeqCst) {
+            study.interrupted = true;
+            break;
+        }
+        let report = |stage: &str| progress(i, &format!("{}: {stage}", scene.name));
+        report("loading");
+        match obstacle(scene, options) {
+            Some(reason) => study.left_out.push((scene.name.clone(), reason)),
+            None => match measure(scene, contenders, options, &study.kinds, &report)? {
+                Ok(result) => study.scenes.push(result),
+                Err(reason) => study.left_out.push((scene.name.clone(), reason)),
+            },
+        }
+    }
+    Ok(study)
+}
+
+/// Why a scene is left out, if so.
+fn obstacle(scene: &BenchScene, options: &Options) -> Option<String> {
+    let path = options.shared.join(match scene.source {
+        Source::File(path) => path,
+        _ => "",
+    });
+    if scene.primitives > options.most_primitives && !scene.named {
+        let (has, most) = (scene.primitives, options.most_primitives);
+        return Some(format!("{has} primitives, at most {most} are measured unless the scene is named"));
+    }
+    let lost = matches!(scene.source, Source::File(_)) && !path.is_file();
+    lost.then(|| format!("no file {}", path.display()))
+}
+
+/// One scene; the inner error says why nothing could be measured.
+fn measure(
+    scene: &BenchScene,
+    contenders: &[Contender],
+    options: &Options,
+    kinds: &[RayKind],
+    report: &dyn Fn(&str),
+) -> Result<std::result::Result<SceneResult, String>> {
+    let spec = scene.spec(&options.shared);
+    let mut loaded = load(&spec, &LoadOptions::default())?;
+    if let Some(view) = &scene.view {
+        loaded.camera = view.camera();
+    }
+    let (built, refused) = build(&loaded, contenders, report);
+    // Rays come from where an exact accelerator hits, so that all runs have the same.
+    let Some(first) = built.iter().find(|b| b.exact).or(built.first()) else {
+        let (accel, cause) = refused.first().map_or(("", ""), |(accel, cause)| (accel, cause));
+        return Ok(Err(format!("no accelerator can be built, {accel}: {cause}")));
+    };
+    // The largest square, so that neighbours are as alike as in a picture.
+    let side = options.rays.isqrt().max(1);
+    let film = RayOptions { width: side, height: side, seed: options.seed, max_rays: options.rays as usize };
+    let mut sets = ray_sets(&loaded, &*first.accel, &film)?;
+    sets.retain(|set| kinds.contains(&set.kind));
+    let comparison = contest(&loaded, &built, &sets, options.rounds, report)?;
+    Ok(Ok(SceneResult { name: scene.name.clone(), class: scene.class, spec, comparison, refused }))
+}
+
+/// Those that can be built, and why the others cannot.
+fn build(scene: &Scene, contenders: &[Contender], report: &dyn Fn(&str)) -> (Vec<Built>, Vec<(String, String)>) {
+    let (mut built, mut refused) = (Vec::new(), Vec::new());
+    for contender in contenders {
+        if !contender.suits(&scene.geometry) {
+            refused.push((contender.name.clone(), "not for such primitives".to_string()));
+            continue;
+        }
+        report(&format!("building {}", contender.name));
+        match Built::new(&contender.name, contender.exact, || contender.build(&scene.geometry, None)) {
+            Ok(b) => built.push(b),
+            Err(error) => refused.push((contender.name.clone(), error.to_string())),
+        }
+    }
+    (built, refused)
+}
