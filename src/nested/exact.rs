@@ -1,0 +1,43 @@
+//! What survives the packs is decided by the geometry's own exact test, as in every other accelerator.
+
+use crate::geometry::{Best, Geometry};
+use crate::ray::Ray;
+
+/// The exact tests of one ray, without the geometry's type: walks are compiled once for all geometries.
+pub(super) trait Exact {
+    /// Tests a primitive; the parameter at or beyond the winner's true one, infinite if there is none yet.
+    fn test(&mut self, prim: u32) -> f64;
+
+    /// The same of the winner so far.
+    fn upper(&self) -> f64;
+}
+
+/// The exact tests of one ray of `geometry`.
+pub(super) struct Tests<'a, G: Geometry> {
+    geometry: &'a G,
+    ray: Ray,
+    /// Made when the first primitive comes: many rays meet none.
+    prep: Option<G::Prep>,
+    /// The winner.
+    pub best: Best,
+}
+
+impl<'a, G: Geometry> Tests<'a, G> {
+    /// `ray` comes from [`Ray::intake`].
+    pub fn new(geometry: &'a G, ray: &Ray) -> Self {
+        Self { geometry, ray: *ray, prep: None, best: Best::NONE }
+    }
+}
+
+impl<G: Geometry> Exact for Tests<'_, G> {
+    #[inline(never)]
+    fn test(&mut self, prim: u32) -> f64 {
+        let prep = self.prep.get_or_insert_with(|| self.geometry.prepare(&self.ray));
+        self.geometry.test(prim, &self.ray, prep, &mut self.best);
+        self.best.upper()
+    }
+
+    fn upper(&self) -> f64 {
+        self.best.upper()
+    }
+}

@@ -1,0 +1,88 @@
+//! Eight primitives at a time: which of them a ray may meet.
+
+use super::frame::Entry;
+use super::lanes::{Lanes, Row};
+use crate::geometry::NO_PRIM;
+
+/// A ray as packs see it, in registers.
+#[derive(Clone, Copy)]
+pub(super) struct PackRay<S> {
+    pub origin: [S; 3],
+    pub direction: [S; 3],
+    /// A little less than 0: `s` of a hit is at least that.
+    pub least: S,
+    /// The inverse squared length of the direction.
+    pub inverse_square: S,
+}
+
+impl<S: Lanes> PackRay<S> {
+    /// Spreads the ray over lanes.
+    #[inline(always)]
+    pub fn new(entry: &Entry) -> Self {
+        let [x, y, z] = entry.direction;
+        Self {
+            origin: entry.origin.map(|x| S::splat(x)),
+            direction: entry.direction.map(|x| S::splat(x)),
+            least: S::splat(-entry.slack),
+            inverse_square: S::splat(1.0 / (x * x + y * y + z * z)),
+        }
+    }
+}
+
+/// Eight primitives of one kind.
+pub(super) trait Pack: Clone + Send + Sync {
+    /// The primitives that the ray may meet at an `s` of at most `end`: bit `i` is missing only if lane `i` holds none, or one
+    /// that the ray certainly misses, or meets certainly before its begin or beyond `end`.
+    fn survivors<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> u32;
+
+    /// Indices in the geometry, one for each lane.
+    fn prims(&self) -> &[u32; 8];
+}
+
+/// Indices alone, for primitives of which nothing is known here: all survive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct List {
+    prims: [u32; 8],
+}
+
+impl List {
+    /// At most eight primitives.
+    pub fn new(prims: impl IntoIterator<Item = u32>) -> Self {
+        Self { prims: padded(prims) }
+    }
+}
+
+impl Pack for List {
+    #[inline(always)]
+    fn survivors<S: Lanes>(&self, _ray: &PackRay<S>, _end: S) -> u32 {
+        let mut bits = 0;
+        for (i, &prim) in self.prims.iter().enumerate() {
+            bits |= u32::from(prim != NO_PRIM) << i;
+        }
+        bits
+    }
+
+    #[inline(always)]
+    fn prims(&self) -> &[u32; 8] {
+        &self.prims
+    }
+}
+
+/// Eight indices; lanes that hold none have [`NO_PRIM`].
+pub(super) fn padded(prims: impl IntoIterator<Item = u32>) -> [u32; 8] {
+    let mut lanes = [NO_PRIM; 8];
+    lanes.iter_mut().zip(prims).for_each(|(lane, prim)| *lane = prim);
+    lanes
+}
+
+/// The product of two vectors in lanes.
+#[inline(always)]
+pub(super) fn dot<S: Lanes>(a: &[S; 3], b: &[S; 3]) -> S {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Three rows as lanes.
+#[inline(always)]
+pub(super) fn lanes<S: Lanes>(rows: &[Row; 3]) -> [S; 3] {
+    [S::of(&rows[0]), S::of(&rows[1]), S::of(&rows[2])]
+}

@@ -1,0 +1,202 @@
+//! Which of 4 x 4 x 4 cells a primitive meets, as a mask of 64 bits.
+//!
+//! Triangles by separating axes (Akenine-Möller, "Fast 3D triangle-box overlap testing", 2001), for all cells at once: the nine
+//! cross products of edges and axes separate in a projection along an axis, where 16 cells are two registers of lanes, and the
+//! triangle's normal separates in space, where they are eight. Any axis whatever may separate, so that the rounding of its
+//! components does not matter, and neither does a degenerate triangle: what matters is that corners and cells are compared
+//! along the same one.
+//!
+//! Error, with `e = 2^-24` and coordinates up to 1: corners in the window's units are off by `6 e` of the part (difference,
+//! product), their products with an axis by `6 e` more times its size, and those of the cells' centres less: together below `20
+//! e`, against [`PADDING`]'s 64.
+
+use super::frame::PADDING;
+use super::lanes::{Lanes, Row};
+
+/// 4 x 4 x 4 cells in a part's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    /// Least corner.
+    pub low: [f32; 3],
+    /// Edges of a cell.
+    pub cell: [f32; 3],
+}
+
+/// The cells along an axis that an interval meets, before they are cut down to the window; and that as bits.
+struct Reach {
+    one: bool,
+    bits: u64,
+}
+
+impl Window {
+    /// In the window's units, in which cells are 1 long.
+    fn units(&self, axis: usize, x: f32) -> f32 {
+        (x - self.low[axis]) * (1.0 / self.cell[axis])
+    }
+
+    fn padding(&self, axis: usize) -> f32 {
+        PADDING / self.cell[axis]
+    }
+
+    fn reach(&self, axis: usize, low: f32, high: f32) -> Reach {
+        let padding = self.padding(axis);
+        // `as` saturates.
+        let (low, high) = ((low - padding).floor() as i32, (high + padding).floor() as i32);
+        let bits = if high < 0 || low > 3 { 0 } else { (2 << high.min(3)) - (1 << low.max(0)) };
+        Reach { one: low == high, bits }
+    }
+
+    /// The cells that are in reach along all axes.
+    fn block(reach: &[Reach; 3]) -> u64 {
+        const STRIDES: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
+        let spread = |axis: usize, bit: u32| STRIDES[axis] << (bit << (2 * axis));
+        (0..3).fold(u64::MAX, |mask, axis| {
+            mask & (0..4).filter(|i| reach[axis].bits >> i & 1 != 0).fold(0, |m, i| m | spread(axis, i))
+        })
+    }
+
+    /// The cells that meet a box, padded.
+    pub fn aabb(&self, min: &[f32; 3], max: &[f32; 3]) -> u64 {
+        let reach = |axis: usize| self.reach(axis, self.units(axis, min[axis]), self.units(axis, max[axis]));
+        Self::block(&[reach(0), reach(1), reach(2)])
+    }
+
+    /// The cells that meet the triangle, padded.
+    #[inline(always)]
+    pub fn triangle<S: Lanes>(&self, corners: &[[f32; 3]; 3]) -> u64 {
+        let q = corners.map(|p| [0, 1, 2].map(|axis| self.units(axis, p[axis])));
+        let reach = [0, 1, 2].map(|axis| {
+            let [a, b, c] = [q[0][axis], q[1][axis], q[2][axis]];
+            self.reach(axis, a.min(b).min(c), a.max(b).max(c))
+        });
+        let mask = Self::block(&reach);
+        let long = reach.iter().filter(|r| !r.one).count();
+        // Within one row of cells, what is connected is in all of them.
+        if mask == 0 || long <= 1 {
+            return mask;
+        }
+        let mut outside = 0;
+        for along in 0..3 {
+            let (a, b) = ([1, 0, 0][along], [2, 2, 1][along]);
+            // Seen along an axis of one layer, what meets a column meets its cell; seen along another, all is one row.
+            if !reach[a].one && !reach[b].one {
+                outside |= spread(self.outside_projection::<S>(&q, a, b), along);
+            }
+        }
+        if long == 3 {
+            outside |= self.outside_plane::<S>(&q);
+        }
+        mask & !outside
+    }
+
+    /// The 16 columns, `a` varying fastest, that an edge of the triangle separates from it.
+    #[inline(always)]
+    fn outside_projection<S: Lanes>(&self, q: &[[f32; 3]; 3], a: usize, b: usize) -> u64 {
+        let (pad_a, pad_b) = (self.padding(a), self.padding(b));
+        let mut outside = 0;
+        for i in 0..3 {
+            let (p, r) = (q[i], q[(i + 1) % 3]);
+            let (na, nb) = (r[b] - p[b], p[a] - r[a]);
+            let along = q.map(|p| na * p[a] + nb * p[b]);
+            let low = along[0].min(along[1]).min(along[2]);
+            let high = along[0].max(along[1]).max(along[2]);
+            let middle = S::splat(0.5 * (low + high));
+            let reach = na.abs() * (0.5 + pad_a) + nb.abs() * (0.5 + pad_b) + 0.5 * (high - low);
+            let (na, nb, reach) = (S::splat(na), S::splat(nb), S::splat(reach));
+            let row = na * S::of(&MIDDLES) - middle;
+            let apart = |from: f32| {
+                let distance = (row + nb * S::halves(from, from + 1.0)).abs();
+                u64::from(S::bits(reach.less(distance)))
+            };
+            outside |= apart(0.5) | apart(2.5) << 8;
+        }
+        outside
+    }
+
+    /// The cells that the triangle's plane does not meet.
+    #[inline(always)]
+    fn outside_plane<S: Lanes>(&self, q: &[[f32; 3]; 3]) -> u64 {
+        let edge = |i: usize| [0, 1, 2].map(|axis| q[i][axis] - q[0][axis]);
+        let (e, f) = (edge(1), edge(2));
+        let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+        let along = q.map(|p| n[0] * p[0] + n[1] * p[1] + n[2] * p[2]);
+        let low = along[0].min(along[1]).min(along[2]);
+        let high = along[0].max(along[1]).max(along[2]);
+        let size = (0..3).fold(0.0, |sum, axis| sum + n[axis].abs() * (0.5 + self.padding(axis)));
+        let reach = S::splat(size + 0.5 * (high - low));
+        let row = S::splat(n[0]) * S::of(&MIDDLES) - S::splat(0.5 * (low + high));
+        let layer = [0.5, 2.5].map(|from| row + S::splat(n[1]) * S::halves(from, from + 1.0));
+        let mut outside = 0;
+        for k in 0..4 {
+            let height = S::splat(n[2] * (k as f32 + 0.5));
+            for (h, layer) in layer.iter().enumerate() {
+                outside |= u64::from(S::bits(reach.less((*layer + height).abs()))) << (16 * k + 8 * h);
+            }
+        }
+        outside
+    }
+
+    /// The cells that meet the surface of a ball, padded.
+    #[inline(always)]
+    pub fn sphere<S: Lanes>(&self, centre: &[f32; 3], radius: f32) -> u64 {
+        let reach = [0, 1, 2].map(|axis| {
+            self.reach(axis, self.units(axis, centre[axis] - radius), self.units(axis, centre[axis] + radius))
+        });
+        let mask = Self::block(&reach);
+        if mask & mask.wrapping_sub(1) == 0 {
+            return mask;
+        }
+        // Squared distances along each axis of the nearest and of the farthest point of a slice.
+        let slices = [0, 1, 2].map(|axis| {
+            let mut slices = [[0.0; 4]; 2];
+            for i in 0..4 {
+                let low = self.low[axis] + i as f32 * self.cell[axis] - centre[axis];
+                let high = low + self.cell[axis];
+                let near = low.max(-high).max(0.0);
+                let far = high.max(-low);
+                (slices[0][i], slices[1][i]) = (near * near, far * far);
+            }
+            slices
+        });
+        // The padding of the slices, 1.8 times as much along a diagonal, is put on the radius.
+        let (most, least) = (radius + 2.0 * PADDING, (radius - 2.0 * PADDING).max(0.0));
+        let (most, least) = (S::splat(most * most), S::splat(least * least));
+        let mut outside = 0;
+        for k in 0..4 {
+            for h in 0..2 {
+                let [near, far] = [0, 1].map(|end| {
+                    let [x, y, z] = [&slices[0][end], &slices[1][end], &slices[2][end]];
+                    let row = S::of(&Row([x[0], x[1], x[2], x[3], x[0], x[1], x[2], x[3]]));
+                    row + (S::halves(y[2 * h], y[2 * h + 1]) + S::splat(z[k]))
+                });
+                let apart = most.less(near) | far.less(least);
+                outside |= u64::from(S::bits(apart)) << (16 * k + 8 * h);
+            }
+        }
+        mask & !outside
+    }
+}
+
+/// Middles of cells along an axis, twice.
+const MIDDLES: Row = Row([0.5, 1.5, 2.5, 3.5, 0.5, 1.5, 2.5, 3.5]);
+
+/// The cells of columns along an axis; columns are 16 bits, the first of the other axes varying fastest.
+fn spread(columns: u64, along: usize) -> u64 {
+    match along {
+        0 => {
+            // Each bit four times.
+            let x = (columns | columns << 24) & 0x0000_00ff_0000_00ff;
+            let x = (x | x << 12) & 0x000f_000f_000f_000f;
+            let x = (x | x << 6) & 0x0303_0303_0303_0303;
+            let x = (x | x << 3) & 0x1111_1111_1111_1111;
+            x * 15
+        }
+        1 => {
+            // Each group of four bits four times.
+            let x = (columns | columns << 24) & 0x0000_00ff_0000_00ff;
+            let x = (x | x << 12) & 0x000f_000f_000f_000f;
+            x * 0x1111
+        }
+        _ => columns * 0x0001_0001_0001_0001,
+    }
+}
