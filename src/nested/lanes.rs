@@ -8,11 +8,6 @@ use std::ops::{Add, BitOr, Div, Mul, Sub};
 pub(super) struct Row(pub [f32; 8]);
 
 impl Row {
-    /// The same number in all lanes.
-    pub const fn splat(x: f32) -> Self {
-        Self([x; 8])
-    }
-
     /// The number that `f` has for each lane.
     pub fn of(f: impl FnMut(usize) -> f32) -> Self {
         Self(std::array::from_fn(f))
@@ -75,6 +70,48 @@ pub(super) trait Lanes:
             }
         }
         !apart
+    }
+}
+
+/// Three numbers a lane: a vector of space in each.
+///
+/// Written out: closures and what takes them are not compiled for the instruction set of their caller.
+#[derive(Clone, Copy)]
+pub(super) struct Vector<S> {
+    pub x: S,
+    pub y: S,
+    pub z: S,
+}
+
+impl<S: Lanes> Vector<S> {
+    /// The lanes of three rows.
+    #[inline(always)]
+    pub fn of(rows: &[Row; 3]) -> Self {
+        Self { x: S::of(&rows[0]), y: S::of(&rows[1]), z: S::of(&rows[2]) }
+    }
+
+    /// The same vector in all lanes.
+    #[inline(always)]
+    pub fn splat(v: &[f32; 3]) -> Self {
+        Self { x: S::splat(v[0]), y: S::splat(v[1]), z: S::splat(v[2]) }
+    }
+
+    /// The sum of the products of components.
+    #[inline(always)]
+    pub fn dot(&self, other: &Self) -> S {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// The difference.
+    #[inline(always)]
+    pub fn minus(&self, other: &Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+
+    /// The point `s` times `direction` beyond this one.
+    #[inline(always)]
+    pub fn beyond(&self, s: S, direction: &Self) -> Self {
+        Self { x: self.x + s * direction.x, y: self.y + s * direction.y, z: self.z + s * direction.z }
     }
 }
 

@@ -12,6 +12,7 @@ mod shape;
 mod simd;
 mod source;
 mod spheres;
+mod split;
 mod triangles;
 mod walk;
 

@@ -46,6 +46,9 @@ pub(super) struct Settings {
 }
 
 impl Settings {
+    /// One cell that is never cut: for primitives that are tested without a grid.
+    pub const LOOSE: Settings = Settings { density: 0.0, node_cost: f32::INFINITY };
+
     /// For triangles and whatever is as expensive.
     pub fn triangles(quality: Quality) -> Self {
         match quality {

@@ -1,14 +1,14 @@
 //! Eight primitives at a time: which of them a ray may meet.
 
 use super::frame::Entry;
-use super::lanes::{Lanes, Row};
+use super::lanes::{Lanes, Vector};
 use crate::geometry::NO_PRIM;
 
 /// A ray as packs see it, in registers.
 #[derive(Clone, Copy)]
 pub(super) struct PackRay<S> {
-    pub origin: [S; 3],
-    pub direction: [S; 3],
+    pub origin: Vector<S>,
+    pub direction: Vector<S>,
     /// A little less than 0: `s` of a hit is at least that.
     pub least: S,
     /// The inverse squared length of the direction.
@@ -21,8 +21,8 @@ impl<S: Lanes> PackRay<S> {
     pub fn new(entry: &Entry) -> Self {
         let [x, y, z] = entry.direction;
         Self {
-            origin: entry.origin.map(|x| S::splat(x)),
-            direction: entry.direction.map(|x| S::splat(x)),
+            origin: Vector::splat(&entry.origin),
+            direction: Vector::splat(&entry.direction),
             least: S::splat(-entry.slack),
             inverse_square: S::splat(1.0 / (x * x + y * y + z * z)),
         }
@@ -73,16 +73,4 @@ pub(super) fn padded(prims: impl IntoIterator<Item = u32>) -> [u32; 8] {
     let mut lanes = [NO_PRIM; 8];
     lanes.iter_mut().zip(prims).for_each(|(lane, prim)| *lane = prim);
     lanes
-}
-
-/// The product of two vectors in lanes.
-#[inline(always)]
-pub(super) fn dot<S: Lanes>(a: &[S; 3], b: &[S; 3]) -> S {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Three rows as lanes.
-#[inline(always)]
-pub(super) fn lanes<S: Lanes>(rows: &[Row; 3]) -> [S; 3] {
-    [S::of(&rows[0]), S::of(&rows[1]), S::of(&rows[2])]
 }

@@ -104,11 +104,10 @@ impl Window {
             let reach = na.abs() * (0.5 + pad_a) + nb.abs() * (0.5 + pad_b) + 0.5 * (high - low);
             let (na, nb, reach) = (S::splat(na), S::splat(nb), S::splat(reach));
             let row = na * S::of(&MIDDLES) - middle;
-            let apart = |from: f32| {
+            for (h, from) in [0.5, 2.5].into_iter().enumerate() {
                 let distance = (row + nb * S::halves(from, from + 1.0)).abs();
-                u64::from(S::bits(reach.less(distance)))
-            };
-            outside |= apart(0.5) | apart(2.5) << 8;
+                outside |= u64::from(S::bits(reach.less(distance))) << (8 * h);
+            }
         }
         outside
     }
@@ -125,13 +124,14 @@ impl Window {
         let size = (0..3).fold(0.0, |sum, axis| sum + n[axis].abs() * (0.5 + self.padding(axis)));
         let reach = S::splat(size + 0.5 * (high - low));
         let row = S::splat(n[0]) * S::of(&MIDDLES) - S::splat(0.5 * (low + high));
-        let layer = [0.5, 2.5].map(|from| row + S::splat(n[1]) * S::halves(from, from + 1.0));
+        let across = S::splat(n[1]);
+        let layer = [row + across * S::halves(0.5, 1.5), row + across * S::halves(2.5, 3.5)];
         let mut outside = 0;
         for k in 0..4 {
             let height = S::splat(n[2] * (k as f32 + 0.5));
-            for (h, layer) in layer.iter().enumerate() {
-                outside |= u64::from(S::bits(reach.less((*layer + height).abs()))) << (16 * k + 8 * h);
-            }
+            let lower = S::bits(reach.less((layer[0] + height).abs()));
+            let upper = S::bits(reach.less((layer[1] + height).abs()));
+            outside |= u64::from(lower | upper << 8) << (16 * k);
         }
         outside
     }
@@ -164,17 +164,22 @@ impl Window {
         let mut outside = 0;
         for k in 0..4 {
             for h in 0..2 {
-                let [near, far] = [0, 1].map(|end| {
-                    let [x, y, z] = [&slices[0][end], &slices[1][end], &slices[2][end]];
-                    let row = S::of(&Row([x[0], x[1], x[2], x[3], x[0], x[1], x[2], x[3]]));
-                    row + (S::halves(y[2 * h], y[2 * h + 1]) + S::splat(z[k]))
-                });
+                let near = squares::<S>(&slices, 0, h, k);
+                let far = squares::<S>(&slices, 1, h, k);
                 let apart = most.less(near) | far.less(least);
                 outside |= u64::from(S::bits(apart)) << (16 * k + 8 * h);
             }
         }
         mask & !outside
     }
+}
+
+/// Sums of squares along three axes for a register of cells of layer `k`: `y` is `2 h` or `2 h + 1`.
+#[inline(always)]
+fn squares<S: Lanes>(slices: &[[[f32; 4]; 2]; 3], end: usize, h: usize, k: usize) -> S {
+    let [x, y, z] = [&slices[0][end], &slices[1][end], &slices[2][end]];
+    let row = S::of(&Row([x[0], x[1], x[2], x[3], x[0], x[1], x[2], x[3]]));
+    row + (S::halves(y[2 * h], y[2 * h + 1]) + S::splat(z[k]))
 }
 
 /// Middles of cells along an axis, twice.

@@ -1,7 +1,7 @@
 //! Packs of eight spheres.
 
-use super::lanes::{Lanes, Row};
-use super::pack::{Pack, PackRay, dot, lanes, padded};
+use super::lanes::{Lanes, Row, Vector};
+use super::pack::{Pack, PackRay, padded};
 use glam::DVec3;
 
 /// Eight spheres in a part's coordinates, inflated by [`INFLATION`].
@@ -46,11 +46,10 @@ impl SpherePack {
 impl Pack for SpherePack {
     #[inline(always)]
     fn survivors<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> u32 {
-        let centre = lanes::<S>(&self.centre);
-        let f = [0, 1, 2].map(|i| centre[i] - ray.origin[i]);
-        let s = dot(&f, &ray.direction) * ray.inverse_square;
-        let g = [0, 1, 2].map(|i| f[i] - s * ray.direction[i]);
-        let within = S::of(&self.square) - dot(&g, &g);
+        let f = Vector::<S>::of(&self.centre).minus(&ray.origin);
+        let s = f.dot(&ray.direction) * ray.inverse_square;
+        let g = f.beyond(S::splat(0.0) - s, &ray.direction);
+        let within = S::of(&self.square) - g.dot(&g);
         let zero = S::splat(0.0);
         let reach = (within.max(zero) * ray.inverse_square).sqrt() + S::splat(S_BOUND);
         let misses = within.less(zero) | end.less(s - reach) | (s + reach).less(ray.least);

@@ -4,8 +4,8 @@
 //! unit triangle. Departs from it: the map's rows are kept as a unit normal and two gradients, so that one bound on the error
 //! holds for all three barycentric coordinates, and nothing is accepted, only certain misses are rejected.
 
-use super::lanes::{Lanes, Row};
-use super::pack::{Pack, PackRay, dot, lanes, padded};
+use super::lanes::{Lanes, Row, Vector};
+use super::pack::{Pack, PackRay, padded};
 use glam::DVec3;
 
 /// Eight triangles in a part's coordinates.
@@ -126,12 +126,12 @@ impl TrianglePack {
 impl Pack for TrianglePack {
     #[inline(always)]
     fn survivors<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> u32 {
-        let n = lanes::<S>(&self.n);
-        let inverse = S::splat(1.0) / dot(&n, &ray.direction);
-        let s = (S::of(&self.n0) - dot(&n, &ray.origin)) * inverse;
-        let at = [0, 1, 2].map(|i| ray.origin[i] + s * ray.direction[i]);
-        let u = dot(&lanes(&self.a), &at) + S::of(&self.a0);
-        let v = dot(&lanes(&self.b), &at) + S::of(&self.b0);
+        let n = Vector::<S>::of(&self.n);
+        let inverse = S::splat(1.0) / n.dot(&ray.direction);
+        let s = (S::of(&self.n0) - n.dot(&ray.origin)) * inverse;
+        let at = ray.origin.beyond(s, &ray.direction);
+        let u = Vector::of(&self.a).dot(&at) + S::of(&self.a0);
+        let v = Vector::of(&self.b).dot(&at) + S::of(&self.b0);
         let q = inverse.abs();
         let outside = u.min(v).min(S::splat(1.0) - u - v) + S::of(&self.bound) * q;
         let s_bound = S::splat(S_BOUND) * q;

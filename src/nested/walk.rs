@@ -86,7 +86,12 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
     fn new(part: &'a Part<K>, entry: &Entry, any: bool, exact: &'a mut dyn Exact, probe: &'a mut P) -> Self {
         let d = entry.direction;
-        let sign = d.map(|d| 1.0_f32.copysign(d));
+        let (mut sign, mut origin, mut inverse) = ([1.0; 3], [0.0; 3], [0.0; 3]);
+        for a in 0..3 {
+            sign[a] = 1.0_f32.copysign(d[a]);
+            origin[a] = entry.origin[a] * sign[a];
+            inverse[a] = 1.0 / d[a].abs();
+        }
         Self {
             part,
             entry: *entry,
@@ -94,8 +99,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             exact,
             probe,
             ray: PackRay::new(entry),
-            origin: [0, 1, 2].map(|a| entry.origin[a] * sign[a]),
-            inverse: [0, 1, 2].map(|a| 1.0 / (d[a] * sign[a])),
+            origin,
+            inverse,
             sign,
             octant: usize::from(d[0] < 0.0) | usize::from(d[1] < 0.0) << 1 | usize::from(d[2] < 0.0) << 2,
             end: entry.end,
@@ -106,25 +111,30 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
     fn run(mut self) -> bool {
         let top = &self.part.top;
-        let base: [f32; 3] = [0, 1, 2].map(|a| (top.half[a] + self.origin[a]) * self.inverse[a]);
-        let pace: [f32; 3] = [0, 1, 2].map(|a| top.cell[a] * self.inverse[a]);
-        let speed: [f32; 3] = [0, 1, 2].map(|a| top.per_unit[a] * (self.entry.direction[a] * self.sign[a]));
+        if let [slot] = top.slots[..] {
+            return self.look(slot, 0.0, self.end) == Next::Nothing;
+        }
         let count = top.slots.len();
         let free = &top.free[self.octant * count..][..count];
-        let backward = |a: usize| self.octant >> a & 1 != 0;
-        // Steps that stay within the grid, the next plane, and where it is crossed.
+        // A plane is crossed at its number times the pace less the base; `left` steps stay within the grid.
+        let (mut base, mut pace, mut speed) = ([0.0_f32; 3], [0.0_f32; 3], [0.0_f32; 3]);
         let (mut left, mut plane, mut crossing) = ([0_i32; 3], [0.0_f32; 3], [0.0_f32; 3]);
         let (mut stride, mut cell) = ([0_isize; 3], 0_isize);
         let mut step = 1;
         for a in 0..3 {
+            let from = top.half[a] + self.origin[a];
+            base[a] = from * self.inverse[a];
+            pace[a] = top.cell[a] * self.inverse[a];
+            speed[a] = top.per_unit[a] * self.entry.direction[a].abs();
             let last = top.cells[a] as i32 - 1;
             // Saturates; the origin is in the grid but for rounding.
-            let at = (((top.half[a] + self.origin[a]) * top.per_unit[a]) as i32).clamp(0, last);
+            let at = ((from * top.per_unit[a]) as i32).clamp(0, last);
             left[a] = last - at;
             plane[a] = (at + 1) as f32;
             crossing[a] = plane[a] * pace[a] - base[a];
-            stride[a] = if backward(a) { -step } else { step };
-            cell += (if backward(a) { last - at } else { at }) as isize * step;
+            let backward = self.octant >> a & 1 != 0;
+            stride[a] = if backward { -step } else { step };
+            cell += (if backward { last - at } else { at }) as isize * step;
             step *= top.cells[a] as isize;
         }
         let mut s = 0.0;
@@ -142,7 +152,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
                 // The cube of this edge that begins with the cell is empty: to where the ray leaves it.
                 self.probe.leap();
                 let reach = f32::from(distance) - 1.0;
-                let exits = [0, 1, 2].map(|a| crossing[a] + reach * pace[a]);
+                let exits = [x + reach * pace[0], y + reach * pace[1], z + reach * pace[2]];
                 s = least(exits[0], least(exits[1], exits[2]));
                 if s > self.end {
                     return false;
@@ -269,14 +279,21 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     fn crossings(&self, node: &Node, near: f32, far: f32) -> [Row; 3] {
         const BEYOND: f32 = 1e9;
         const PLANES: Row = Row([-BEYOND, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, BEYOND]);
-        let axis = |a: usize| {
-            let offset = S::splat(node.centre[a] * self.sign[a]) + S::of(&PLANES) * S::splat(node.cell[a]);
-            (offset - S::splat(self.origin[a])) * S::splat(self.inverse[a])
-        };
+        let planes = S::of(&PLANES);
+        let x = self.crossings_of(node, planes, 0);
+        let y = self.crossings_of(node, planes, 1);
         // Clipping one axis clips the cells.
         let ends = S::halves(f32::INFINITY, far);
         let begins = S::halves(near, f32::NEG_INFINITY);
-        [axis(0).row(), axis(1).row(), axis(2).max(begins).min(ends).row()]
+        let z = self.crossings_of(node, planes, 2).max(begins).min(ends);
+        [x.row(), y.row(), z.row()]
+    }
+
+    /// Where the ray crosses planes of an axis, given in cells from the node's centre.
+    #[inline(always)]
+    fn crossings_of(&self, node: &Node, planes: S, axis: usize) -> S {
+        let at = S::splat(node.centre[axis] * self.sign[axis]) + planes * S::splat(node.cell[axis]);
+        (at - S::splat(self.origin[axis])) * S::splat(self.inverse[axis])
     }
 }
 
