@@ -5,11 +5,18 @@ use crate::ray::Ray;
 
 /// The exact tests of one ray, without the geometry's type: walks are compiled once for all geometries.
 pub(super) trait Exact {
-    /// Tests a primitive; the parameter at or beyond the winner's true one, infinite if there is none yet.
-    fn test(&mut self, prim: u32) -> f64;
+    /// Tests a primitive; what is known of the winner's parameter, if there is a winner.
+    fn test(&mut self, prim: u32) -> Option<Known>;
 
-    /// The same of the winner so far.
+    /// The parameter at or beyond the winner's true one, infinite if there is none.
     fn upper(&self) -> f64;
+}
+
+/// A parameter of the ray, known to lie within two others.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    pub lower: f64,
+    pub upper: f64,
 }
 
 /// The exact tests of one ray of `geometry`.
@@ -31,10 +38,11 @@ impl<'a, G: Geometry> Tests<'a, G> {
 
 impl<G: Geometry> Exact for Tests<'_, G> {
     #[inline(never)]
-    fn test(&mut self, prim: u32) -> f64 {
+    fn test(&mut self, prim: u32) -> Option<Known> {
         let prep = self.prep.get_or_insert_with(|| self.geometry.prepare(&self.ray));
         self.geometry.test(prim, &self.ray, prep, &mut self.best);
-        self.best.upper()
+        let (t, err) = (self.best.t(), self.best.err());
+        self.best.is_hit().then(|| Known { lower: t - err, upper: t + err })
     }
 
     fn upper(&self) -> f64 {

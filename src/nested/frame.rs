@@ -196,4 +196,9 @@ impl Entry {
         // The slack is more than the rounding to f32 of a number up to 2; beyond that nothing is.
         (((t - self.moved) - self.start) * self.rate) as f32 + self.slack
     }
+    /// At or before the `s` of a parameter `t` of the ray.
+    #[inline]
+    pub fn before(&self, t: f64) -> f32 {
+        self.beyond(t) - 2.0 * self.slack
+    }
 }

@@ -1,6 +1,6 @@
 //! Eight numbers at a time: what the tests of packs and nodes are written in, once for all processors.
 
-use std::ops::{Add, BitOr, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// One f32 for each of eight lanes, aligned for processors that read it at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub(super) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// A claim for each lane.
-    type Mask: Copy + BitOr<Output = Self::Mask>;
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
 
     /// The lanes of a row.
     fn of(row: &Row) -> Self;

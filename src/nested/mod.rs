@@ -20,10 +20,9 @@ pub use options::{NestedOptions, Quality};
 
 use crate::accel::{Accel, Candidates, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
 use crate::error::Result;
-use crate::geometry::{Best, Geometry};
+use crate::geometry::Geometry;
 use crate::ray::{Aabb, Ray};
 use exact::Tests;
-use lanes::Portable;
 use shape::{AnyPart, Shape};
 use simd::Isa;
 use walk::Outcome;
@@ -50,68 +49,49 @@ impl<G: Geometry> Nested<G> {
         Ok(Self { geometry, shape, isa, bounds, left_out })
     }
 
-    /// The winner, asked of the best instructions there are.
     #[inline]
-    fn winner(&self, ray: &Ray, any: bool) -> Best {
+    fn closest(&self, ray: &Ray, trace: impl FnOnce(&mut Tests<G>) -> Outcome) -> Option<Hit> {
         let mut tests = Tests::new(&self.geometry, ray);
-        match self.isa.trace(&self.shape, ray, any, &mut tests) {
-            Outcome::Done => tests.best,
-            Outcome::TooFar => self.scan(ray, any, &mut ()),
-        }
+        let best = match trace(&mut tests) {
+            Outcome::TooFar => scan_all(&self.geometry, ray, &mut ()),
+            _ => tests.best,
+        };
+        best.prim().map(|prim| Hit { t: self.geometry.round(ray, &best), prim })
     }
 
-    /// The same, counted; in portable code, for one loop less to compile.
-    fn winner_counted(&self, ray: &Ray, any: bool, counts: &mut Counts) -> Best {
-        counts.rays += 1;
+    #[inline]
+    fn any(&self, ray: &Ray, trace: impl FnOnce(&mut Tests<G>) -> Outcome) -> bool {
         let mut tests = Tests::new(&self.geometry, ray);
-        match walk::trace::<Portable, _>(&self.shape, ray, any, &mut tests, counts) {
-            Outcome::Done => tests.best,
-            Outcome::TooFar => self.scan(ray, any, counts),
+        match trace(&mut tests) {
+            Outcome::TooFar => scan_any(&self.geometry, ray, &mut ()),
+            Outcome::Hit => true,
+            Outcome::Done => tests.best.is_hit(),
         }
-    }
-
-    /// Every primitive, for a ray that starts too far away.
-    #[cold]
-    fn scan<P: crate::accel::Probe>(&self, ray: &Ray, any: bool, probe: &mut P) -> Best {
-        if !any {
-            return scan_all(&self.geometry, ray, probe);
-        }
-        let mut best = Best::NONE;
-        if scan_any(&self.geometry, ray, probe) {
-            best.replace(0.0, 0.0, 0);
-        }
-        best
-    }
-
-    fn hit(&self, ray: &Ray, best: &Best) -> Option<Hit> {
-        best.prim().map(|prim| Hit { t: self.geometry.round(ray, best), prim })
     }
 }
 
 impl<G: Geometry> Accel for Nested<G> {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         let ray = ray.intake()?;
-        self.hit(&ray, &self.winner(&ray, false))
+        self.closest(&ray, |tests| self.isa.trace(&self.shape, &ray, false, tests))
     }
 
     fn any_hit(&self, ray: &Ray) -> bool {
-        ray.intake().is_some_and(|ray| self.winner(&ray, true).is_hit())
+        let Some(ray) = ray.intake() else { return false };
+        self.any(&ray, |tests| self.isa.trace(&self.shape, &ray, true, tests))
     }
 
+    // Counted in portable code: one loop less to compile.
     fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        let Some(ray) = ray.intake() else {
-            counts.rays += 1;
-            return None;
-        };
-        self.hit(&ray, &self.winner_counted(&ray, false, counts))
+        counts.rays += 1;
+        let ray = ray.intake()?;
+        self.closest(&ray, |tests| walk::trace_counted(&self.shape, &ray, false, tests, counts))
     }
 
     fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
-        let Some(ray) = ray.intake() else {
-            counts.rays += 1;
-            return false;
-        };
-        self.winner_counted(&ray, true, counts).is_hit()
+        counts.rays += 1;
+        let Some(ray) = ray.intake() else { return false };
+        self.any(&ray, |tests| walk::trace_counted(&self.shape, &ray, true, tests, counts))
     }
 
     fn bounds(&self) -> Aabb {

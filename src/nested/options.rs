@@ -53,13 +53,13 @@ impl Settings {
     pub fn triangles(quality: Quality) -> Self {
         match quality {
             Quality::Fast => Self { density: 0.05, node_cost: 8.0 },
-            Quality::Default => Self { density: 0.05, node_cost: 4.0 },
+            Quality::Default => { let e = |k: &str, d: f64| std::env::var(k).ok().map_or(d, |v| v.parse().unwrap()); Self { density: e("DEN", 0.05), node_cost: e("NC", 4.0) as f32 } }
             Quality::Best => Self { density: 0.05, node_cost: 3.0 },
         }
     }
 
     /// For spheres.
     pub fn spheres(quality: Quality) -> Self {
-        Self { density: 0.2, ..Self::triangles(quality) }
+        Self { density: std::env::var("DEN").ok().map_or(0.2, |v| v.parse().unwrap()), ..Self::triangles(quality) }
     }
 }

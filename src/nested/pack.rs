@@ -11,6 +11,8 @@ pub(super) struct PackRay<S> {
     pub direction: Vector<S>,
     /// A little less than 0: `s` of a hit is at least that.
     pub least: S,
+    /// A little more: what is met beyond it is in the ray's range for certain.
+    pub begin: S,
     /// The inverse squared length of the direction.
     pub inverse_square: S,
 }
@@ -24,16 +26,31 @@ impl<S: Lanes> PackRay<S> {
             origin: Vector::splat(&entry.origin),
             direction: Vector::splat(&entry.direction),
             least: S::splat(-entry.slack),
+            begin: S::splat(entry.slack),
             inverse_square: S::splat(1.0 / (x * x + y * y + z * z)),
         }
     }
 }
 
+/// What a ray may meet of a pack.
+#[derive(Clone, Copy)]
+pub(super) struct Seen<S: Lanes> {
+    /// Bit `i` is missing only if lane `i` holds no primitive, or one that the ray certainly misses, or meets certainly before
+    /// its begin or beyond the end asked for.
+    pub survivors: u32,
+    /// Where the primitive is certainly met by the ray's line, and first at an `s` within `s - bound ..= s + bound`.
+    pub certain: S::Mask,
+    pub s: S,
+    pub bound: S,
+}
+
 /// Eight primitives of one kind.
 pub(super) trait Pack: Clone + Send + Sync {
-    /// The primitives that the ray may meet at an `s` of at most `end`: bit `i` is missing only if lane `i` holds none, or one
-    /// that the ray certainly misses, or meets certainly before its begin or beyond `end`.
-    fn survivors<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> u32;
+    /// False if nothing is ever certain.
+    const CERTAIN: bool = true;
+
+    /// Looks for hits at an `s` of at most `end`.
+    fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S>;
 
     /// Indices in the geometry, one for each lane.
     fn prims(&self) -> &[u32; 8];
@@ -53,13 +70,16 @@ impl List {
 }
 
 impl Pack for List {
+    const CERTAIN: bool = false;
+
     #[inline(always)]
-    fn survivors<S: Lanes>(&self, _ray: &PackRay<S>, _end: S) -> u32 {
-        let mut bits = 0;
+    fn look<S: Lanes>(&self, _ray: &PackRay<S>, _end: S) -> Seen<S> {
+        let mut survivors = 0;
         for (i, &prim) in self.prims.iter().enumerate() {
-            bits |= u32::from(prim != NO_PRIM) << i;
+            survivors |= u32::from(prim != NO_PRIM) << i;
         }
-        bits
+        let zero = S::splat(0.0);
+        Seen { survivors, certain: zero.less(zero), s: zero, bound: zero }
     }
 
     #[inline(always)]

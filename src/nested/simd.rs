@@ -82,7 +82,7 @@ pub(super) mod avx2 {
     use super::{Exact, Frame, Outcome, Part, Ray, Result, Settings, Shape, Source, build, walk};
     use crate::nested::lanes::{Lanes, Row};
     use std::arch::x86_64::*;
-    use std::ops::{Add, BitOr, Div, Mul, Sub};
+    use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
     /// Proof that the processor has the instructions of this module.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -165,6 +165,15 @@ pub(super) mod avx2 {
         fn bitor(self, other: Self) -> Self {
             // SAFETY: the type is made where AVX2 is present only.
             Self(unsafe { _mm256_or_ps(self.0, other.0) })
+        }
+    }
+
+    impl BitAnd for Mask {
+        type Output = Self;
+        #[inline(always)]
+        fn bitand(self, other: Self) -> Self {
+            // SAFETY: the type is made where AVX2 is present only.
+            Self(unsafe { _mm256_and_ps(self.0, other.0) })
         }
     }
 

@@ -1,7 +1,7 @@
 //! Packs of eight spheres.
 
 use super::lanes::{Lanes, Row, Vector};
-use super::pack::{Pack, PackRay, padded};
+use super::pack::{Pack, PackRay, Seen, padded};
 use glam::DVec3;
 
 /// Eight spheres in a part's coordinates, inflated by [`INFLATION`].
@@ -15,7 +15,13 @@ use glam::DVec3;
 /// most 1: [`INFLATION`] is 64.
 ///
 /// The sphere is met where the inflated one is: half a chord, `sqrt((R^2 - g^2) / |d|^2)`, before or behind `s`, with `32 e` for the
-/// rounding of `s`, and the chord's own as relative to itself less than what the inflation adds.
+/// rounding of `s`; the chord's own rounding, `10 e R^2` in its square, is less than the inflation adds to that, `128 e R`.
+///
+/// A hit is certain, and its `s` known, where the line is well within the sphere: if the chord's square is above a sixteenth of
+/// that of the inflated radius `R`, which is above 8192 e. What the inflation, the true line's place and rounding change of the
+/// chord's square is below `2 (64 + 24) e R`, and half of that over the chord, which is above `R / 4 / 1.74`, changes the chord: by
+/// less than `620 e`. With the rounding of `s`, [`CHORD_BOUND`] is 1024. The inflation being a 128th of
+/// the radius at most, the sphere itself is met.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpherePack {
     centre: [Row; 3],
@@ -27,6 +33,8 @@ pub(super) struct SpherePack {
 const E: f32 = 1.0 / 16_777_216.0;
 const INFLATION: f64 = 64.0 * E as f64;
 const S_BOUND: f32 = 64.0 * E;
+const CHORD_BOUND: f32 = 1024.0 * E;
+const LEAST_SQUARE: f32 = 8192.0 * E * (8192.0 * E);
 
 impl SpherePack {
     /// At most eight spheres, as index, centre and radius.
@@ -45,15 +53,22 @@ impl SpherePack {
 
 impl Pack for SpherePack {
     #[inline(always)]
-    fn survivors<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> u32 {
+    fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S> {
         let f = Vector::<S>::of(&self.centre).minus(&ray.origin);
         let s = f.dot(&ray.direction) * ray.inverse_square;
         let g = f.beyond(S::splat(0.0) - s, &ray.direction);
-        let within = S::of(&self.square) - g.dot(&g);
+        let square = S::of(&self.square);
+        let within = square - g.dot(&g);
         let zero = S::splat(0.0);
-        let reach = (within.max(zero) * ray.inverse_square).sqrt() + S::splat(S_BOUND);
+        let chord = (within.max(zero) * ray.inverse_square).sqrt();
+        let reach = chord + S::splat(S_BOUND);
         let misses = within.less(zero) | end.less(s - reach) | (s + reach).less(ray.least);
-        !S::bits(misses) & 0xff
+        Seen {
+            survivors: !S::bits(misses) & 0xff,
+            certain: (square * S::splat(0.0625)).less(within) & S::splat(LEAST_SQUARE).less(square),
+            s: s - chord,
+            bound: S::splat(CHORD_BOUND),
+        }
     }
 
     #[inline(always)]

@@ -2,10 +2,10 @@
 //!
 //! After S. Woop, "A ray tracing hardware architecture for dynamic scenes", 2004: a triangle is the map that turns it into the
 //! unit triangle. Departs from it: the map's rows are kept as a unit normal and two gradients, so that one bound on the error
-//! holds for all three barycentric coordinates, and nothing is accepted, only certain misses are rejected.
+//! holds for all three barycentric coordinates, and only certain misses are rejected and certain hits accepted.
 
 use super::lanes::{Lanes, Row, Vector};
-use super::pack::{Pack, PackRay, padded};
+use super::pack::{Pack, PackRay, Seen, padded};
 use glam::DVec3;
 
 /// Eight triangles in a part's coordinates.
@@ -28,6 +28,10 @@ use glam::DVec3;
 ///   [`BARYCENTRIC_BOUND`] is 80, times the sum of both gradients.
 ///
 /// So a ray whose smallest barycentric coordinate is below minus the bound, or whose interval of `s` is out of range, misses.
+/// For a certain hit the same bounds are asked of computed values: where `9 e q` is at most an eighth and `s` in range, `s`
+/// is known within `(15 + 2 * 9) 8/7 e q + 7 e q < 48 e q` and `u` within `78 A e q`, whatever the true values are; so a ray whose
+/// smallest coordinate is above the bound meets the triangle, with its true `s` well within twice [`S_BOUND`] times `q`.
+///
 /// `D = 0` makes `q` infinite and every comparison false: such a lane survives. Nothing else overflows: components of `n` and
 /// of the gradients are 0 or above [`TINY`] times the greatest one and directions above 2^-26, so that `|D|` is 0 or above 2^-91, and
 /// gradients above 2^30 are not kept, nor are those of triangles whose sine of the smallest angle is so small, below 2^-20,
@@ -125,7 +129,7 @@ impl TrianglePack {
 
 impl Pack for TrianglePack {
     #[inline(always)]
-    fn survivors<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> u32 {
+    fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S> {
         let n = Vector::<S>::of(&self.n);
         let inverse = S::splat(1.0) / n.dot(&ray.direction);
         let s = (S::of(&self.n0) - n.dot(&ray.origin)) * inverse;
@@ -133,10 +137,16 @@ impl Pack for TrianglePack {
         let u = Vector::of(&self.a).dot(&at) + S::of(&self.a0);
         let v = Vector::of(&self.b).dot(&at) + S::of(&self.b0);
         let q = inverse.abs();
-        let outside = u.min(v).min(S::splat(1.0) - u - v) + S::of(&self.bound) * q;
-        let s_bound = S::splat(S_BOUND) * q;
-        let misses = outside.less(S::splat(0.0)) | end.less(s - s_bound) | (s + s_bound).less(ray.least);
-        !S::bits(misses) & 0xff
+        let inside = u.min(v).min(S::splat(1.0) - u - v);
+        let margin = S::of(&self.bound) * q;
+        let bound = S::splat(S_BOUND) * q;
+        let misses = (inside + margin).less(S::splat(0.0)) | end.less(s - bound) | (s + bound).less(ray.least);
+        Seen {
+            survivors: !S::bits(misses) & 0xff,
+            certain: margin.less(inside) & bound.less(S::splat(0.5)),
+            s,
+            bound: bound + bound,
+        }
     }
 
     #[inline(always)]

@@ -1,11 +1,12 @@
 //! One ray through all parts: the grid on top, nodes below, packs at the leaves.
 
-use super::exact::Exact;
+use super::exact::{Exact, Known};
 use super::frame::{Entry, Start};
-use super::lanes::{Lanes, Row};
-use super::pack::{Pack, PackRay};
-use super::shape::{AnyPart, Node, Part, Shape, Slot};
-use crate::accel::Probe;
+use super::lanes::{Lanes, Portable, Row};
+use super::pack::{Pack, PackRay, Seen};
+use super::shape::{AnyPart, Node, Part, Shape, Slot, Top};
+use crate::accel::{Counts, Probe};
+use crate::geometry::NO_PRIM;
 use crate::ray::Ray;
 
 /// How the trace of a ray ended.
@@ -13,8 +14,21 @@ use crate::ray::Ray;
 pub(super) enum Outcome {
     /// The winner of the exact tests is the ray's.
     Done,
+    /// There is a hit, and any will do.
+    Hit,
     /// The ray starts too far away for a part's arithmetic: every primitive must be tested.
     TooFar,
+}
+
+/// As [`trace`], in portable code, and adds the work done.
+pub(super) fn trace_counted(
+    shape: &Shape,
+    ray: &Ray,
+    any: bool,
+    exact: &mut dyn Exact,
+    counts: &mut Counts,
+) -> Outcome {
+    trace::<Portable, _>(shape, ray, any, exact, counts)
 }
 
 /// Nodes above one another at most: cells are not cut below [`super::build::LEAST_CELL`].
@@ -29,13 +43,14 @@ pub(super) fn trace<S: Lanes, P: Probe>(
     exact: &mut dyn Exact,
     probe: &mut P,
 ) -> Outcome {
+    let mut upper = f64::INFINITY;
     for part in &shape.parts {
         let frame = match part {
             AnyPart::Triangles(part) => &part.frame,
             AnyPart::Spheres(part) => &part.frame,
             AnyPart::Lists(part) => &part.frame,
         };
-        let entry = match frame.enter(ray, exact.upper()) {
+        let entry = match frame.enter(ray, upper) {
             Start::Miss => continue,
             Start::TooFar => return Outcome::TooFar,
             Start::Inside(entry) => entry,
@@ -46,7 +61,10 @@ pub(super) fn trace<S: Lanes, P: Probe>(
             AnyPart::Lists(part) => Trace::<S, _, _>::new(part, &entry, any, exact, probe).run(),
         };
         if done {
-            break;
+            return Outcome::Hit;
+        }
+        if shape.parts.len() > 1 {
+            upper = exact.upper();
         }
     }
     Outcome::Done
@@ -67,8 +85,14 @@ struct Trace<'a, S, K, P> {
     sign: [f32; 3],
     /// Bit `a` is set if the ray moves backwards along axis `a`.
     octant: usize,
-    /// Beyond this nothing is of interest.
+    /// At or beyond the winner, or the ray's end: beyond this nothing is of interest.
     end: f32,
+    /// At or before the winner and the ray's end.
+    sure: f32,
+    /// The winner if it has not been tested exactly, else [`NO_PRIM`].
+    pending: u32,
+    /// True if there is a winner that has been, or one that need not be.
+    found: bool,
 }
 
 /// Whether a ray goes on.
@@ -80,6 +104,89 @@ enum Next {
     Part,
     /// Nowhere: any hit will do, and there is one.
     Nothing,
+}
+
+/// A cell of the grid on top, and where the ray leaves it. A plane is crossed at its number times the pace less the base.
+struct Place {
+    cell: isize,
+    /// Where the ray crosses the next plane of each axis.
+    crossing: [f32; 3],
+    /// Numbers of these planes.
+    plane: [f32; 3],
+    pace: [f32; 3],
+    base: [f32; 3],
+    /// From cell to cell along each axis.
+    stride: [isize; 3],
+    /// Steps that stay within the grid.
+    left: [i32; 3],
+}
+
+impl Place {
+    #[inline(always)]
+    fn new(top: &Top, origin: &[f32; 3], inverse: &[f32; 3], octant: usize) -> Self {
+        let mut place = Place {
+            cell: 0,
+            crossing: [0.0; 3],
+            plane: [0.0; 3],
+            pace: [0.0; 3],
+            base: [0.0; 3],
+            stride: [0; 3],
+            left: [0; 3],
+        };
+        let mut step = 1;
+        for a in 0..3 {
+            let from = top.half[a] + origin[a];
+            place.base[a] = from * inverse[a];
+            place.pace[a] = top.cell[a] * inverse[a];
+            let last = top.cells[a] as i32 - 1;
+            // Saturates; the origin is in the grid but for rounding.
+            let at = ((from * top.per_unit[a]) as i32).clamp(0, last);
+            place.left[a] = last - at;
+            place.plane[a] = (at + 1) as f32;
+            place.crossing[a] = place.plane[a] * place.pace[a] - place.base[a];
+            let backward = octant >> a & 1 != 0;
+            place.stride[a] = if backward { -step } else { step };
+            place.cell += (if backward { last - at } else { at }) as isize * step;
+            step *= top.cells[a] as isize;
+        }
+        place
+    }
+
+    /// To the next cell along an axis, and `s` to where it begins; false outside the grid.
+    #[inline(always)]
+    fn step<const A: usize>(&mut self, s: &mut f32) -> bool {
+        *s = self.crossing[A];
+        self.left[A] -= 1;
+        self.plane[A] += 1.0;
+        self.cell += self.stride[A];
+        self.crossing[A] = self.plane[A] * self.pace[A] - self.base[A];
+        self.left[A] >= 0
+    }
+
+    /// To where the ray leaves the empty cube of `edge` cells that begins with this one; false outside the grid or beyond
+    /// `end`.
+    #[inline(always)]
+    fn leap(&mut self, edge: f32, end: f32, s: &mut f32) -> bool {
+        let mut exits = [0.0; 3];
+        for a in 0..3 {
+            exits[a] = self.crossing[a] + (edge - 1.0) * self.pace[a];
+        }
+        let exit = least(exits[0], least(exits[1], exits[2]));
+        *s = exit;
+        let mut outside = 0;
+        for a in 0..3 {
+            // Planes crossed on the way; all of the cube's along the axis of the exit, and at most one less along another.
+            let beyond = (exit - self.crossing[a]) / self.pace[a];
+            let within = if beyond < 0.0 { 0.0 } else { least((beyond as i32 + 1) as f32, edge - 1.0) };
+            let crossed = if exits[a] == exit { edge } else { within };
+            self.plane[a] += crossed;
+            self.left[a] -= crossed as i32;
+            outside |= self.left[a];
+            self.cell += crossed as isize * self.stride[a];
+            self.crossing[a] = self.plane[a] * self.pace[a] - self.base[a];
+        }
+        outside >= 0 && exit <= end
+    }
 }
 
 impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
@@ -104,84 +211,59 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             sign,
             octant: usize::from(d[0] < 0.0) | usize::from(d[1] < 0.0) << 1 | usize::from(d[2] < 0.0) << 2,
             end: entry.end,
+            sure: entry.end - 2.0 * entry.slack,
+            pending: NO_PRIM,
+            found: false,
         }
     }
 
-    /// From cell to cell of the grid; true if the ray needs no other part.
+    /// Through the part; true if any hit will do and there is one.
     #[inline(always)]
     fn run(mut self) -> bool {
+        self.cells();
+        self.settle();
+        self.any && self.found
+    }
+
+    /// From cell to cell of the grid.
+    #[inline(always)]
+    fn cells(&mut self) {
         let top = &self.part.top;
         if let [slot] = top.slots[..] {
-            return self.look(slot, 0.0, self.end) == Next::Nothing;
+            self.look(slot, 0.0, self.end);
+            return;
         }
         let count = top.slots.len();
         let free = &top.free[self.octant * count..][..count];
-        // A plane is crossed at its number times the pace less the base; `left` steps stay within the grid.
-        let (mut base, mut pace, mut speed) = ([0.0_f32; 3], [0.0_f32; 3], [0.0_f32; 3]);
-        let (mut left, mut plane, mut crossing) = ([0_i32; 3], [0.0_f32; 3], [0.0_f32; 3]);
-        let (mut stride, mut cell) = ([0_isize; 3], 0_isize);
-        let mut step = 1;
-        for a in 0..3 {
-            let from = top.half[a] + self.origin[a];
-            base[a] = from * self.inverse[a];
-            pace[a] = top.cell[a] * self.inverse[a];
-            speed[a] = top.per_unit[a] * self.entry.direction[a].abs();
-            let last = top.cells[a] as i32 - 1;
-            // Saturates; the origin is in the grid but for rounding.
-            let at = ((from * top.per_unit[a]) as i32).clamp(0, last);
-            left[a] = last - at;
-            plane[a] = (at + 1) as f32;
-            crossing[a] = plane[a] * pace[a] - base[a];
-            let backward = self.octant >> a & 1 != 0;
-            stride[a] = if backward { -step } else { step };
-            cell += (if backward { last - at } else { at }) as isize * step;
-            step *= top.cells[a] as isize;
-        }
+        let mut at = Place::new(top, &self.origin, &self.inverse, self.octant);
         let mut s = 0.0;
         loop {
             self.probe.step();
-            let [x, y, z] = crossing;
-            let distance = free[cell as usize];
+            let [x, y, z] = at.crossing;
+            let distance = free[at.cell as usize];
             if distance == 0 {
                 let out = least(x, least(y, z));
-                match self.look(top.slots[cell as usize], s, out) {
-                    Next::Cell => {}
-                    next => return next == Next::Nothing,
+                if self.look(top.slots[at.cell as usize], s, out) != Next::Cell {
+                    return;
                 }
             } else if distance > 2 {
-                // The cube of this edge that begins with the cell is empty: to where the ray leaves it.
                 self.probe.leap();
-                let reach = f32::from(distance) - 1.0;
-                let exits = [x + reach * pace[0], y + reach * pace[1], z + reach * pace[2]];
-                s = least(exits[0], least(exits[1], exits[2]));
-                if s > self.end {
-                    return false;
-                }
-                let mut outside = 0;
-                for a in 0..3 {
-                    // Planes crossed on the way; all of the cube's along the axis of the exit.
-                    let within = ((s - crossing[a]) * speed[a]) as i32 + i32::from(s > crossing[a]);
-                    let crossed = if exits[a] == s { i32::from(distance) } else { within.clamp(0, i32::from(distance) - 1) };
-                    left[a] -= crossed;
-                    outside |= left[a];
-                    plane[a] += crossed as f32;
-                    cell += crossed as isize * stride[a];
-                    crossing[a] = plane[a] * pace[a] - base[a];
-                }
-                if outside < 0 {
-                    return false;
+                if !at.leap(f32::from(distance), self.end, &mut s) {
+                    return;
                 }
                 continue;
             }
-            let a = if x < y { if x < z { 0 } else { 2 } } else if y < z { 1 } else { 2 };
-            s = crossing[a];
-            left[a] -= 1;
-            if s > self.end || left[a] < 0 {
-                return false;
+            // One branch for each axis: which of them it is tells the predictor where the ray is going.
+            let inside = if x < y {
+                if x < z { at.step::<0>(&mut s) } else { at.step::<2>(&mut s) }
+            } else if y < z {
+                at.step::<1>(&mut s)
+            } else {
+                at.step::<2>(&mut s)
+            };
+            if !inside || s > self.end {
+                return;
             }
-            plane[a] += 1.0;
-            cell += stride[a];
-            crossing[a] = plane[a] * pace[a] - base[a];
         }
     }
 
@@ -195,21 +277,68 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
     fn test(&mut self, slot: Slot, far: f32) -> Next {
         for pack in &self.part.packs[slot.first as usize..][..slot.count as usize] {
-            let mut survivors = pack.survivors::<S>(&self.ray, S::splat(self.end));
-            while survivors != 0 {
-                let prim = pack.prims()[survivors.trailing_zeros() as usize & 7];
-                survivors &= survivors - 1;
-                self.probe.test();
-                let upper = self.exact.test(prim);
-                if upper < f64::INFINITY {
-                    if self.any {
-                        return Next::Nothing;
-                    }
-                    self.end = least(self.end, self.entry.beyond(upper));
-                }
+            self.probe.leaf();
+            let seen = pack.look::<S>(&self.ray, S::splat(self.end));
+            if seen.survivors != 0 && self.meet(pack, &seen) {
+                return Next::Nothing;
             }
         }
         if self.end < far { Next::Part } else { Next::Cell }
+    }
+
+    /// What survives of a pack; true if that is all the ray wants.
+    #[inline(always)]
+    fn meet(&mut self, pack: &K, seen: &Seen<S>) -> bool {
+        let (from, to) = (seen.s - seen.bound, seen.s + seen.bound);
+        let in_range = to.less(S::splat(self.sure)) & self.ray.begin.less(from);
+        let certain = if K::CERTAIN { S::bits(seen.certain & in_range) } else { 0 };
+        if self.any && certain != 0 {
+            self.found = true;
+            return true;
+        }
+        let (Row(from), Row(to)) = (from.row(), to.row());
+        let mut survivors = seen.survivors;
+        while survivors != 0 {
+            let lane = survivors.trailing_zeros() as usize & 7;
+            survivors &= survivors - 1;
+            let prim = pack.prims()[lane];
+            if K::CERTAIN && certain >> lane & 1 != 0 {
+                if to[lane] < self.sure {
+                    // Before all that was met so far: the winner, whose exact parameter can wait.
+                    (self.pending, self.end, self.sure) = (prim, to[lane], from[lane]);
+                    continue;
+                }
+                if from[lane] > self.end {
+                    continue;
+                }
+            }
+            self.settle();
+            self.exactly(prim);
+            if self.any && self.found {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Tests the winner that waits, if one does.
+    #[inline(always)]
+    fn settle(&mut self) {
+        let pending = std::mem::replace(&mut self.pending, NO_PRIM);
+        if pending != NO_PRIM {
+            self.exactly(pending);
+        }
+    }
+
+    /// Tests a primitive exactly.
+    #[inline(always)]
+    fn exactly(&mut self, prim: u32) {
+        self.probe.test();
+        if let Some(Known { lower, upper }) = self.exact.test(prim) {
+            self.found = true;
+            self.end = least(self.end, self.entry.beyond(upper));
+            self.sure = least(self.sure, self.entry.before(lower));
+        }
     }
 
     /// The nodes below a cell, front to back.
