@@ -5,6 +5,7 @@ use super::lanes::Lanes;
 use super::options::Settings;
 use super::raster::Window;
 use super::shape::{Node, Part, Slot, Top};
+use super::simd::Isa;
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::grid::skip::free_cubes;
@@ -14,7 +15,7 @@ use std::ops::Range;
 pub(super) const LEAST_CELL: f32 = 8.0 * PADDING;
 
 /// Primitives met by a window of the grid on top.
-struct Met {
+pub(super) struct Met {
     cells: u64,
     prim: u32,
     /// Cell of the grid where the window begins.
@@ -25,21 +26,21 @@ struct Met {
 ///
 /// # Errors
 /// It would take more than `memory` bytes.
-#[inline(always)]
-pub(super) fn build<S: Lanes, Src: Source>(
+pub(super) fn build<Src: Source>(
     source: &Src,
     frame: Frame,
     settings: &Settings,
     memory: u64,
+    isa: Isa,
 ) -> Result<Part<Src::Pack>> {
-    let half = frame.half.as_vec3().to_array();
+    let half = frame.half;
     let cells = resolution(half, settings.density * source.len() as f64);
     let count = cells.iter().map(|&n| n as usize).product::<usize>();
     let cell = [0, 1, 2].map(|a| 2.0 * half[a] / cells[a] as f32);
     let per_unit = [0, 1, 2].map(|a| cells[a] as f32 / (2.0 * half[a]));
     let mut top = Top { half, cell, per_unit, cells, free: Vec::new(), slots: vec![Slot::EMPTY; count] };
 
-    let met = windows::<S, _>(source, &top, memory)?;
+    let met = isa.windows(source, &top, memory)?;
     let mut start = vec![0_u32; count + 1];
     each(&met, &cells, |cell, _| start[cell + 1] += 1);
     for i in 0..count {
@@ -56,8 +57,16 @@ pub(super) fn build<S: Lanes, Src: Source>(
     let filled = start.windows(2).map(|pair| pair[0] < pair[1]).collect();
     top.free = free_cubes(cells.map(|n| n as usize), filled).concat();
 
-    let mut builder =
-        Builder { source, settings, nodes: Vec::new(), slots: Vec::new(), packs: Vec::new(), list, masks: Vec::new() };
+    let mut builder = Builder {
+        source,
+        settings,
+        isa,
+        nodes: Vec::new(),
+        slots: Vec::new(),
+        packs: Vec::new(),
+        list,
+        masks: Vec::new(),
+    };
     // Packs and nodes in the order of cells: neighbours are near one another.
     for (i, slot) in top.slots.iter_mut().enumerate() {
         let range = start[i] as usize..start[i + 1] as usize;
@@ -65,7 +74,7 @@ pub(super) fn build<S: Lanes, Src: Source>(
             let [nx, ny, _] = cells.map(|n| n as usize);
             let at = [i % nx, i / nx % ny, i / (nx * ny)];
             let low = [0, 1, 2].map(|a| at[a] as f32 * cell[a] - half[a]);
-            *slot = builder.cell::<S>(range, low, cell);
+            *slot = builder.cell(range, low, cell);
         }
     }
     let Builder { nodes, slots, packs, .. } = builder;
@@ -81,8 +90,11 @@ fn resolution(half: [f32; 3], wanted: f64) -> [u32; 3] {
 }
 
 /// Which cells of the grid each primitive meets, window by window.
+///
+/// # Errors
+/// They would take more than `memory` bytes.
 #[inline(always)]
-fn windows<S: Lanes, Src: Source>(source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
+pub(super) fn windows<S: Lanes, Src: Source>(source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
     let mut met = Vec::with_capacity(source.len());
     let mut references = 0_u64;
     for i in 0..source.len() {
@@ -116,6 +128,15 @@ fn windows<S: Lanes, Src: Source>(source: &Src, top: &Top, memory: u64) -> Resul
     Ok(met)
 }
 
+/// Appends the cells of a window that each primitive of a list meets.
+#[inline(always)]
+pub(super) fn masks<S: Lanes, Src: Source>(source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
+    masks.reserve(list.len());
+    for &i in list {
+        masks.push(source.cells::<S>(i as usize, window));
+    }
+}
+
 /// The cells of a window that are in the grid.
 fn within(at: [i32; 3], cells: &[u32; 3]) -> u64 {
     let mut mask = u64::MAX;
@@ -145,6 +166,7 @@ fn each(met: &[Met], cells: &[u32; 3], mut visit: impl FnMut(usize, u32)) {
 struct Builder<'a, Src: Source> {
     source: &'a Src,
     settings: &'a Settings,
+    isa: Isa,
     nodes: Vec<Node>,
     slots: Vec<Slot>,
     packs: Vec<Src::Pack>,
@@ -156,7 +178,7 @@ struct Builder<'a, Src: Source> {
 
 impl<Src: Source> Builder<'_, Src> {
     /// Cuts the cell that begins at `low`, if that is worth it. It meets the primitives of `self.list[range]`.
-    fn cell<S: Lanes>(&mut self, range: Range<usize>, low: [f32; 3], size: [f32; 3]) -> Slot {
+    fn cell(&mut self, range: Range<usize>, low: [f32; 3], size: [f32; 3]) -> Slot {
         let window = Window { low, cell: size.map(|x| 0.25 * x) };
         let packs = range.len().div_ceil(8) as f32;
         // A node costs as much as some packs: fewer are tested at once.
@@ -166,9 +188,9 @@ impl<Src: Source> Builder<'_, Src> {
         }
         let mut counts = [0_u32; 64];
         self.masks.clear();
-        for at in range.clone() {
-            let mut cells = self.source.cells::<S>(self.list[at] as usize, &window);
-            self.masks.push(cells);
+        self.isa.masks(self.source, &self.list[range.clone()], &window, &mut self.masks);
+        for &cells in &self.masks {
+            let mut cells = cells;
             while cells != 0 {
                 counts[cells.trailing_zeros() as usize] += 1;
                 cells &= cells - 1;
@@ -203,13 +225,11 @@ impl<Src: Source> Builder<'_, Src> {
         let centre = [0, 1, 2].map(|a| low[a] + 2.0 * window.cell[a]);
         self.nodes.push(Node { mask, centre, cell: window.cell, base: base as u32 });
         self.slots.resize(base + mask.count_ones() as usize, Slot::EMPTY);
-        let mut slot = base;
-        for cell in (0..64).filter(|cell| mask >> cell & 1 != 0) {
+        for (slot, cell) in (base..).zip((0..64).filter(|cell| mask >> cell & 1 != 0)) {
             let at = [cell & 3, cell >> 2 & 3, cell >> 4];
             let low = [0, 1, 2].map(|a| low[a] + at[a] as f32 * window.cell[a]);
             let list = next[cell] - counts[cell] as usize..next[cell];
-            self.slots[slot] = self.cell::<S>(list, low, window.cell);
-            slot += 1;
+            self.slots[slot] = self.cell(list, low, window.cell);
         }
         self.list.truncate(begin);
         Slot::node(index as u32)

@@ -8,6 +8,9 @@ pub(super) trait Exact {
     /// Tests a primitive; what is known of the winner's parameter, if there is a winner.
     fn test(&mut self, prim: u32) -> Option<Known>;
 
+    /// As [`Exact::test`], of a primitive that certainly is the winner.
+    fn settle(&mut self, prim: u32) -> Option<Known>;
+
     /// The parameter at or beyond the winner's true one, infinite if there is none.
     fn upper(&self) -> f64;
 }
@@ -34,6 +37,12 @@ impl<'a, G: Geometry> Tests<'a, G> {
     pub fn new(geometry: &'a G, ray: &Ray) -> Self {
         Self { geometry, ray: *ray, prep: None, best: Best::NONE }
     }
+
+    #[inline]
+    fn known(&self) -> Option<Known> {
+        let (t, err) = (self.best.t(), self.best.err());
+        self.best.is_hit().then_some(Known { lower: t - err, upper: t + err })
+    }
 }
 
 impl<G: Geometry> Exact for Tests<'_, G> {
@@ -41,8 +50,17 @@ impl<G: Geometry> Exact for Tests<'_, G> {
     fn test(&mut self, prim: u32) -> Option<Known> {
         let prep = self.prep.get_or_insert_with(|| self.geometry.prepare(&self.ray));
         self.geometry.test(prim, &self.ray, prep, &mut self.best);
-        let (t, err) = (self.best.t(), self.best.err());
-        self.best.is_hit().then(|| Known { lower: t - err, upper: t + err })
+        self.known()
+    }
+
+    fn settle(&mut self, prim: u32) -> Option<Known> {
+        match self.geometry.locate(prim, &self.ray) {
+            Some((t, err)) => {
+                self.best.replace(t, err, prim);
+                self.known()
+            }
+            None => self.test(prim),
+        }
     }
 
     fn upper(&self) -> f64 {

@@ -52,14 +52,14 @@ impl Settings {
     /// For triangles and whatever is as expensive.
     pub fn triangles(quality: Quality) -> Self {
         match quality {
-            Quality::Fast => Self { density: 0.05, node_cost: 8.0 },
-            Quality::Default => { let e = |k: &str, d: f64| std::env::var(k).ok().map_or(d, |v| v.parse().unwrap()); Self { density: e("DEN", 0.05), node_cost: e("NC", 4.0) as f32 } }
-            Quality::Best => Self { density: 0.05, node_cost: 3.0 },
+            Quality::Fast => Self { density: 0.02, node_cost: 12.0 },
+            Quality::Default => Self { density: 0.03, node_cost: 6.0 },
+            Quality::Best => Self { density: 0.05, node_cost: 4.0 },
         }
     }
 
     /// For spheres.
     pub fn spheres(quality: Quality) -> Self {
-        Self { density: std::env::var("DEN").ok().map_or(0.2, |v| v.parse().unwrap()), ..Self::triangles(quality) }
+        Self { density: 0.1, ..Self::triangles(quality) }
     }
 }

@@ -30,14 +30,17 @@ struct Reach {
 
 impl Window {
     /// In the window's units, in which cells are 1 long.
+    #[inline(always)]
     fn units(&self, axis: usize, x: f32) -> f32 {
         (x - self.low[axis]) * (1.0 / self.cell[axis])
     }
 
+    #[inline(always)]
     fn padding(&self, axis: usize) -> f32 {
         PADDING / self.cell[axis]
     }
 
+    #[inline(always)]
     fn reach(&self, axis: usize, low: f32, high: f32) -> Reach {
         let padding = self.padding(axis);
         // `as` saturates.
@@ -46,13 +49,19 @@ impl Window {
         Reach { one: low == high, bits }
     }
 
+    #[inline(always)]
+    fn reach_of(&self, q: &[[f32; 3]; 3], axis: usize) -> Reach {
+        let (low, high) = ends(q[0][axis], q[1][axis], q[2][axis]);
+        self.reach(axis, low, high)
+    }
+
     /// The cells that are in reach along all axes.
+    #[inline(always)]
     fn block(reach: &[Reach; 3]) -> u64 {
-        const STRIDES: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
-        let spread = |axis: usize, bit: u32| STRIDES[axis] << (bit << (2 * axis));
-        (0..3).fold(u64::MAX, |mask, axis| {
-            mask & (0..4).filter(|i| reach[axis].bits >> i & 1 != 0).fold(0, |m, i| m | spread(axis, i))
-        })
+        let [x, y, z] = [reach[0].bits, reach[1].bits, reach[2].bits];
+        let y = (y | y << 3 | y << 6 | y << 9) & 0x1111;
+        let z = (z | z << 15 | z << 30 | z << 45) & 0x0001_0001_0001_0001;
+        (x * 0x1111_1111_1111_1111) & (y * 15 * 0x0001_0001_0001_0001) & (z * 0xffff)
     }
 
     /// The cells that meet a box, padded.
@@ -64,13 +73,15 @@ impl Window {
     /// The cells that meet the triangle, padded.
     #[inline(always)]
     pub fn triangle<S: Lanes>(&self, corners: &[[f32; 3]; 3]) -> u64 {
-        let q = corners.map(|p| [0, 1, 2].map(|axis| self.units(axis, p[axis])));
-        let reach = [0, 1, 2].map(|axis| {
-            let [a, b, c] = [q[0][axis], q[1][axis], q[2][axis]];
-            self.reach(axis, a.min(b).min(c), a.max(b).max(c))
-        });
+        let mut q = [[0.0; 3]; 3];
+        for (q, p) in q.iter_mut().zip(corners) {
+            for axis in 0..3 {
+                q[axis] = self.units(axis, p[axis]);
+            }
+        }
+        let reach = [self.reach_of(&q, 0), self.reach_of(&q, 1), self.reach_of(&q, 2)];
         let mask = Self::block(&reach);
-        let long = reach.iter().filter(|r| !r.one).count();
+        let long = u32::from(!reach[0].one) + u32::from(!reach[1].one) + u32::from(!reach[2].one);
         // Within one row of cells, what is connected is in all of them.
         if mask == 0 || long <= 1 {
             return mask;
@@ -97,9 +108,8 @@ impl Window {
         for i in 0..3 {
             let (p, r) = (q[i], q[(i + 1) % 3]);
             let (na, nb) = (r[b] - p[b], p[a] - r[a]);
-            let along = q.map(|p| na * p[a] + nb * p[b]);
-            let low = along[0].min(along[1]).min(along[2]);
-            let high = along[0].max(along[1]).max(along[2]);
+            let (low, high) =
+                ends(na * q[0][a] + nb * q[0][b], na * q[1][a] + nb * q[1][b], na * q[2][a] + nb * q[2][b]);
             let middle = S::splat(0.5 * (low + high));
             let reach = na.abs() * (0.5 + pad_a) + nb.abs() * (0.5 + pad_b) + 0.5 * (high - low);
             let (na, nb, reach) = (S::splat(na), S::splat(nb), S::splat(reach));
@@ -115,13 +125,13 @@ impl Window {
     /// The cells that the triangle's plane does not meet.
     #[inline(always)]
     fn outside_plane<S: Lanes>(&self, q: &[[f32; 3]; 3]) -> u64 {
-        let edge = |i: usize| [0, 1, 2].map(|axis| q[i][axis] - q[0][axis]);
-        let (e, f) = (edge(1), edge(2));
+        let (e, f) = (minus(&q[1], &q[0]), minus(&q[2], &q[0]));
         let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-        let along = q.map(|p| n[0] * p[0] + n[1] * p[1] + n[2] * p[2]);
-        let low = along[0].min(along[1]).min(along[2]);
-        let high = along[0].max(along[1]).max(along[2]);
-        let size = (0..3).fold(0.0, |sum, axis| sum + n[axis].abs() * (0.5 + self.padding(axis)));
+        let (low, high) = ends(dot(&n, &q[0]), dot(&n, &q[1]), dot(&n, &q[2]));
+        let mut size = 0.0;
+        for axis in 0..3 {
+            size += n[axis].abs() * (0.5 + self.padding(axis));
+        }
         let reach = S::splat(size + 0.5 * (high - low));
         let row = S::splat(n[0]) * S::of(&MIDDLES) - S::splat(0.5 * (low + high));
         let across = S::splat(n[1]);
@@ -174,6 +184,23 @@ impl Window {
     }
 }
 
+/// The least and the greatest of three numbers.
+#[inline(always)]
+fn ends(a: f32, b: f32, c: f32) -> (f32, f32) {
+    let (low, high) = if a < b { (a, b) } else { (b, a) };
+    (if c < low { c } else { low }, if c > high { c } else { high })
+}
+
+#[inline(always)]
+fn minus(a: &[f32; 3], b: &[f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// Sums of squares along three axes for a register of cells of layer `k`: `y` is `2 h` or `2 h + 1`.
 #[inline(always)]
 fn squares<S: Lanes>(slices: &[[[f32; 4]; 2]; 3], end: usize, h: usize, k: usize) -> S {
@@ -186,6 +213,7 @@ fn squares<S: Lanes>(slices: &[[[f32; 4]; 2]; 3], end: usize, h: usize, k: usize
 const MIDDLES: Row = Row([0.5, 1.5, 2.5, 3.5, 0.5, 1.5, 2.5, 3.5]);
 
 /// The cells of columns along an axis; columns are 16 bits, the first of the other axes varying fastest.
+#[inline(always)]
 fn spread(columns: u64, along: usize) -> u64 {
     match along {
         0 => {

@@ -1,5 +1,6 @@
 //! The parts of a shape: one kind of primitives each, and each group of them by itself.
 
+use super::build;
 use super::frame::Frame;
 use super::options::{NestedOptions, Settings};
 use super::shape::{AnyPart, Shape};
@@ -67,16 +68,18 @@ impl Root<'_> {
             Self::groups(prims, boxes, Settings::triangles(self.options.quality))
         {
             let corners = prims.iter().filter_map(|&prim| corners(prim)).collect();
-            let part = self.isa.build(&Triangles::new(frame, prims, corners), frame, &settings, self.memory())?;
+            let part = build::build(&Triangles::new(frame, prims, corners), frame, &settings, self.memory(), self.isa)?;
             self.shape.parts.push(AnyPart::Triangles(part));
         }
         Ok(())
     }
 
     fn spheres(&mut self, prims: &[u32], boxes: &[Aabb], sphere: impl Fn(u32) -> Option<Sphere>) -> Result<()> {
-        for Members { frame, settings, prims, .. } in Self::groups(prims, boxes, Settings::spheres(self.options.quality)) {
+        for Members { frame, settings, prims, .. } in
+            Self::groups(prims, boxes, Settings::spheres(self.options.quality))
+        {
             let spheres: Vec<Sphere> = prims.iter().filter_map(|&prim| sphere(prim)).collect();
-            let part = self.isa.build(&Spheres::new(frame, prims, &spheres), frame, &settings, self.memory())?;
+            let part = build::build(&Spheres::new(frame, prims, &spheres), frame, &settings, self.memory(), self.isa)?;
             self.shape.parts.push(AnyPart::Spheres(part));
         }
         Ok(())
@@ -91,7 +94,8 @@ impl Root<'_> {
         for Members { frame, settings, prims, boxes } in
             Self::groups(prims, boxes, Settings::spheres(self.options.quality))
         {
-            let part = self.isa.build(&Others::new(frame, prims, &boxes, overlaps), frame, &settings, self.memory())?;
+            let part =
+                build::build(&Others::new(frame, prims, &boxes, overlaps), frame, &settings, self.memory(), self.isa)?;
             self.shape.parts.push(AnyPart::Lists(part));
         }
         Ok(())

@@ -9,12 +9,11 @@
     allow(unsafe_code, reason = "instructions that must be known to exist before they are run")
 )]
 
-use super::build;
+use super::build::{self, Met};
 use super::exact::Exact;
-use super::frame::Frame;
 use super::lanes::Portable;
-use super::options::Settings;
-use super::shape::{Part, Shape};
+use super::raster::Window;
+use super::shape::{Shape, Top};
 use super::source::Source;
 use super::walk::{self, Outcome};
 use crate::error::Result;
@@ -59,18 +58,21 @@ impl Isa {
         }
     }
 
-    /// Builds a part, see [`build::build`].
-    pub fn build<Src: Source>(
-        self,
-        source: &Src,
-        frame: Frame,
-        settings: &Settings,
-        memory: u64,
-    ) -> Result<Part<Src::Pack>> {
+    /// See [`build::windows`].
+    pub fn windows<Src: Source>(self, source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
         match self {
-            Isa::Portable => build::build::<Portable, _>(source, frame, settings, memory),
+            Isa::Portable => build::windows::<Portable, _>(source, top, memory),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(present) => avx2::build(present, source, frame, settings, memory),
+            Isa::Avx2(present) => avx2::windows(present, source, top, memory),
+        }
+    }
+
+    /// See [`build::masks`].
+    pub fn masks<Src: Source>(self, source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
+        match self {
+            Isa::Portable => build::masks::<Portable, _>(source, list, window, masks),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2(present) => avx2::masks(present, source, list, window, masks),
         }
     }
 }
@@ -79,8 +81,13 @@ impl Isa {
 pub(super) mod avx2 {
     //! Eight lanes of 32 bytes.
 
-    use super::{Exact, Frame, Outcome, Part, Ray, Result, Settings, Shape, Source, build, walk};
+    use super::{Exact, Met, Outcome, Ray, Result, Shape, Source, Top, Window, build, walk};
     use crate::nested::lanes::{Lanes, Row};
+    #[cfg(test)]
+    use crate::nested::{
+        frame::Entry,
+        pack::{Pack, PackRay},
+    };
     use std::arch::x86_64::*;
     use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -112,26 +119,49 @@ pub(super) mod avx2 {
         walk::trace::<Avx2, ()>(shape, ray, any, exact, &mut ())
     }
 
-    /// [`build::build`] for this instruction set.
-    pub fn build<Src: Source>(
-        _: Present,
-        source: &Src,
-        frame: Frame,
-        settings: &Settings,
-        memory: u64,
-    ) -> Result<Part<Src::Pack>> {
+    /// [`build::windows`] for this instruction set.
+    pub fn windows<Src: Source>(_: Present, source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
         // SAFETY: there is a `Present`, so the processor has these instructions.
-        unsafe { build_here(source, frame, settings, memory) }
+        unsafe { windows_here(source, top, memory) }
     }
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    fn build_here<Src: Source>(
-        source: &Src,
-        frame: Frame,
-        settings: &Settings,
-        memory: u64,
-    ) -> Result<Part<Src::Pack>> {
-        build::build::<Avx2, _>(source, frame, settings, memory)
+    fn windows_here<Src: Source>(source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
+        build::windows::<Avx2, _>(source, top, memory)
+    }
+
+    /// [`build::masks`] for this instruction set.
+    pub fn masks<Src: Source>(_: Present, source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
+        // SAFETY: there is a `Present`, so the processor has these instructions.
+        unsafe { masks_here(source, list, window, masks) }
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    fn masks_here<Src: Source>(source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
+        build::masks::<Avx2, _>(source, list, window, masks);
+    }
+
+    /// What a pack says of a ray, for the tests: survivors, which of them are certain, where, and within which bound.
+    #[cfg(test)]
+    pub fn look<K: Pack>(_: Present, pack: &K, entry: &Entry) -> (u32, u32, Row, Row) {
+        #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+        fn here<K: Pack>(pack: &K, entry: &Entry) -> (u32, u32, Row, Row) {
+            let seen = pack.look(&PackRay::<Avx2>::new(entry), Avx2::splat(entry.end));
+            (seen.survivors, Avx2::bits(seen.certain) & seen.survivors, seen.s.row(), seen.bound.row())
+        }
+        // SAFETY: there is a `Present`, so the processor has these instructions.
+        unsafe { here(pack, entry) }
+    }
+
+    /// [`Lanes::crossed`], for the tests.
+    #[cfg(test)]
+    pub fn crossed(_: Present, axes: &[Row; 3]) -> u64 {
+        #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+        fn here(axes: &[Row; 3]) -> u64 {
+            Avx2::crossed(axes)
+        }
+        // SAFETY: there is a `Present`, so the processor has these instructions.
+        unsafe { here(axes) }
     }
 
     /// Eight f32 in a register.

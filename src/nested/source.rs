@@ -161,7 +161,8 @@ impl Source for Others<'_> {
                 let plane = window.low[axis] + (at[axis] + more) as f32 * window.cell[axis];
                 f64::from(plane) + sign * f64::from(PADDING)
             };
-            let corner = |more, sign| self.frame.world(DVec3::new(end(0, more, sign), end(1, more, sign), end(2, more, sign)));
+            let corner =
+                |more, sign| self.frame.world(DVec3::new(end(0, more, sign), end(1, more, sign), end(2, more, sign)));
             let cell = Cell { min: corner(0, -1.0), max: corner(1, 1.0) };
             if (self.overlaps)(self.prims[i], &cell) {
                 mask |= 1 << bit;

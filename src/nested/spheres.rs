@@ -8,20 +8,20 @@ use glam::DVec3;
 ///
 /// With `e = 2^-24` and `f` the centre seen from the origin: coordinates are at most 1, so components of `f` are at most 2, off by
 /// `1.1 e + e / 2 + 2 e` (origin; centre; difference), and those of the true ray at the point nearest to the centre by `2 e`
-/// more. `s = (f . d) / |d|^2` rounds by 9 e relative to `|f| |d| / |d|^2 <= 3.5`, and whatever it is, the distance from the point
-/// at `s` is not less than that from the line. The difference `f - s d` rounds by `6 e` a component. In all a component is off
-/// by `12 e`, and the vector by less than `21 e`. Its squared length and the square of the radius round by `5 e` relative to
-/// themselves. So a ray that meets the sphere passes the centre within the radius plus `21 e` and `3 e` times the radius, which is at
-/// most 1: [`INFLATION`] is 64.
+/// more. `s = (f . d) / |d|^2` is off by `9 e |f| / |d|`, at most `63 e`, which is `32 e` of the part: that far is the point at `s`
+/// from the nearest one. The difference `f - s d` rounds by `6 e` a component. In all a component is off by `12 e`, and the
+/// vector by less than `21 e`; with the point's `32 e` across, a ray through the centre of a sphere of radius 0 is found within `39
+/// e`. The squared length and the square of the radius round by `5 e` relative to themselves, so a ray that meets the sphere
+/// passes within its radius, `39 e`, and `3 e` times the radius: [`INFLATION`] is 64.
 ///
-/// The sphere is met where the inflated one is: half a chord, `sqrt((R^2 - g^2) / |d|^2)`, before or behind `s`, with `32 e` for the
+/// The sphere is met where the inflated one is: half a chord, `sqrt((R^2 - g^2) / |d|^2)`, before or behind `s`, with `63 e` for the
 /// rounding of `s`; the chord's own rounding, `10 e R^2` in its square, is less than the inflation adds to that, `128 e R`.
 ///
 /// A hit is certain, and its `s` known, where the line is well within the sphere: if the chord's square is above a sixteenth of
-/// that of the inflated radius `R`, which is above 8192 e. What the inflation, the true line's place and rounding change of the
-/// chord's square is below `2 (64 + 24) e R`, and half of that over the chord, which is above `R / 4 / 1.74`, changes the chord: by
-/// less than `620 e`. With the rounding of `s`, [`CHORD_BOUND`] is 1024. The inflation being a 128th of
-/// the radius at most, the sphere itself is met.
+/// that of the inflated radius `R`, which is above `8192 e`. What the inflation, the true line's place and rounding change of
+/// the chord's square is below `2 (64 + 24) e R`; the chord changes by half of that over the chord's length, which is above `R / 4`,
+/// and over the direction's, which is above 1/2: by less than `704 e`. With the rounding of `s`, [`CHORD_BOUND`] is 1024. The
+/// inflation being a 128th of the radius at most, the sphere itself is met.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpherePack {
     centre: [Row; 3],
@@ -32,7 +32,7 @@ pub(super) struct SpherePack {
 
 const E: f32 = 1.0 / 16_777_216.0;
 const INFLATION: f64 = 64.0 * E as f64;
-const S_BOUND: f32 = 64.0 * E;
+const S_BOUND: f32 = 128.0 * E;
 const CHORD_BOUND: f32 = 1024.0 * E;
 const LEAST_SQUARE: f32 = 8192.0 * E * (8192.0 * E);
 

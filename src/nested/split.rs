@@ -130,9 +130,8 @@ fn dense_objects(boxes: &[Aabb], members: &[u32], whole: &Aabb) -> Vec<Vec<u32>>
         let (number, all) = &mut found[of(i)];
         (*number, *all) = (*number + 1, all.union(&boxes[i as usize]));
     }
-    let mut dense: Vec<usize> = (0..count)
-        .filter(|&c| found[c].0 * 25 >= members.len() && area(&found[c].1) < 0.2 * area(whole))
-        .collect();
+    let mut dense: Vec<usize> =
+        (0..count).filter(|&c| found[c].0 * 25 >= members.len() && area(&found[c].1) < 0.2 * area(whole)).collect();
     dense.sort_by_key(|&c| std::cmp::Reverse(found[c].0));
     dense.truncate(MOST);
     let primitives: usize = dense.iter().map(|&c| found[c].0).sum();

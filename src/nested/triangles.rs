@@ -13,24 +13,23 @@ use glam::DVec3;
 /// With the unit normal `n`, the plane is `n . x = n0`; the barycentric coordinates of the second and third corner are
 /// `u = a . x + a0` and `v = b . x + b0`, that of the first is `1 - u - v`.
 ///
-/// What a ray that meets the triangle must look like, with `e = 2^-24`: coordinates of its points are at most 1, `s` at most 2,
-/// its origin is off by `1.1 e` an axis and its direction by `e` (see [`super::frame`]), and `|n|_1`, the sum of the
+/// What a ray that meets the triangle must look like, with `e = 2^-24`: coordinates of its points are at most 1, `s` at most 4,
+/// its origin is off by `1.1 e` an axis and its direction by `e / 2` (see [`super::frame`]), and `|n|_1`, the sum of the
 /// components' sizes, is at most 1.74.
 ///
-/// - `D = n . d` is off by `1.74 (1 + 1 + 3) e < 9 e` (rounding of `n`; the direction; the sum), `N = n0 - n . o` by
+/// - `D = n . d` is off by `1.74 (1 + 1/2 + 3) e < 8 e` (rounding of `n`; the direction; the sum), `N = n0 - n . o` by
 ///   `1.74 (1 + 1 + 1.1 + 3 + 2) e < 15 e` (`n0`; `n`; the origin; the sum; the difference).
-/// - With the true `s`, `N / D - s = (dN - s dD) / D`: at most `(15 + 2 * 9) e / |D|`, where `D` is the computed one. Rounding
-///   of the inverse and of the product adds `2 e s <= 4 e <= 7 e / |D|`. So `s` is known within `40 e q` with `q = 1 / |D|`.
-///   [`S_BOUND`] is 48.
+/// - With the true `s`, `N / D - s = (dN - s dD) / D`: at most `(15 + 4 * 8) e / |D|`, where `D` is the computed one. Rounding
+///   of the inverse and of the product adds `2 e s <= 8 e <= 14 e / |D|`. So `s` is known within `61 e q` with `q = 1 / |D|`.
 /// - A coordinate of the point at `s` is off by that, and by `(1.1 + 2 + 2 + 1) e` (origin; direction; product; sum), in all less
-///   than `(40 + 1.74 * 7) e q`. With `A = |a|_1`, `u` is off by `A` times that and by `A (2 * 5) e` (rounding of `a` and `a0`, which is at
-///   most `A`; the sums): less than `A (40 + 1.74 * 17) e q < 70 A e q`. For `1 - u - v` errors add up, with two roundings more.
-///   [`BARYCENTRIC_BOUND`] is 80, times the sum of both gradients.
+///   than `(61 + 1.74 * 7) e q`. With `A = |a|_1`, `u` is off by `A` times that and by `A (2 * 5) e` (rounding of `a` and `a0`, which is
+///   at most `A`; the sums): less than `A (61 + 1.74 * 17) e q < 91 A e q`. For `1 - u - v` errors add up, with two roundings more.
 ///
 /// So a ray whose smallest barycentric coordinate is below minus the bound, or whose interval of `s` is out of range, misses.
-/// For a certain hit the same bounds are asked of computed values: where `9 e q` is at most an eighth and `s` in range, `s`
-/// is known within `(15 + 2 * 9) 8/7 e q + 7 e q < 48 e q` and `u` within `78 A e q`, whatever the true values are; so a ray whose
-/// smallest coordinate is above the bound meets the triangle, with its true `s` well within twice [`S_BOUND`] times `q`.
+/// For a certain hit the same bounds are asked of computed values: where `8 e q` is at most an eighth and `s` in range, `s`
+/// is known within `(15 + 4.2 * 8) 8/7 e q + 15 e q < 71 e q` and `u` within `101 A e q`, whatever the true values are; so a ray
+/// whose smallest coordinate is above the bound meets the triangle. [`S_BOUND`] is 80, and twice that for certain hits;
+/// [`BARYCENTRIC_BOUND`] is 112, times the sum of both gradients.
 ///
 /// `D = 0` makes `q` infinite and every comparison false: such a lane survives. Nothing else overflows: components of `n` and
 /// of the gradients are 0 or above [`TINY`] times the greatest one and directions above 2^-26, so that `|D|` is 0 or above 2^-91, and
@@ -50,8 +49,8 @@ pub(super) struct TrianglePack {
 }
 
 const E: f32 = 1.0 / 16_777_216.0;
-const S_BOUND: f32 = 48.0 * E;
-const BARYCENTRIC_BOUND: f64 = 80.0 * E as f64;
+const S_BOUND: f32 = 80.0 * E;
+const BARYCENTRIC_BOUND: f64 = 112.0 * E as f64;
 const TINY: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// One triangle's rows.

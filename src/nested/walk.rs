@@ -192,12 +192,10 @@ impl Place {
 impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
     fn new(part: &'a Part<K>, entry: &Entry, any: bool, exact: &'a mut dyn Exact, probe: &'a mut P) -> Self {
-        let d = entry.direction;
-        let (mut sign, mut origin, mut inverse) = ([1.0; 3], [0.0; 3], [0.0; 3]);
+        let (d, sign) = (entry.direction, entry.sign);
+        let mut origin = [0.0; 3];
         for a in 0..3 {
-            sign[a] = 1.0_f32.copysign(d[a]);
             origin[a] = entry.origin[a] * sign[a];
-            inverse[a] = 1.0 / d[a].abs();
         }
         Self {
             part,
@@ -207,7 +205,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             probe,
             ray: PackRay::new(entry),
             origin,
-            inverse,
+            inverse: entry.inverse,
             sign,
             octant: usize::from(d[0] < 0.0) | usize::from(d[1] < 0.0) << 1 | usize::from(d[2] < 0.0) << 2,
             end: entry.end,
@@ -326,7 +324,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     fn settle(&mut self) {
         let pending = std::mem::replace(&mut self.pending, NO_PRIM);
         if pending != NO_PRIM {
-            self.exactly(pending);
+            self.probe.test();
+            let known = self.exact.settle(pending);
+            self.know(known);
         }
     }
 
@@ -334,7 +334,14 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
     fn exactly(&mut self, prim: u32) {
         self.probe.test();
-        if let Some(Known { lower, upper }) = self.exact.test(prim) {
+        let known = self.exact.test(prim);
+        self.know(known);
+    }
+
+    /// Lowers the end to the winner.
+    #[inline(always)]
+    fn know(&mut self, known: Option<Known>) {
+        if let Some(Known { lower, upper }) = known {
             self.found = true;
             self.end = least(self.end, self.entry.beyond(upper));
             self.sure = least(self.sure, self.entry.before(lower));
@@ -361,7 +368,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             let node = &self.part.nodes[index as usize];
             let axes = self.crossings(node, near, far);
             let mut cells = S::crossed(&axes) & mirrored(node.mask, self.octant) & part_of_node;
-            let flip = (self.octant & 1) * 3 | (self.octant >> 1 & 1) * 12 | (self.octant >> 2) * 48;
+            // Turns the coordinates round of the axes along which the ray moves backwards.
+            let flip = FLIPS[self.octant & 7];
             let deeper = loop {
                 if cells == 0 {
                     break None;
@@ -425,6 +433,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         (at - S::splat(self.origin[axis])) * S::splat(self.inverse[axis])
     }
 }
+
+/// For each octant the bits of a cell's number that differ when the node is seen along it.
+const FLIPS: [usize; 8] = [0, 3, 12, 15, 48, 51, 60, 63];
 
 /// The cells of a node seen along an octant of directions: bit `i` becomes bit `i` with the coordinates turned round of the
 /// axes along which rays move backwards.

@@ -436,6 +436,8 @@ mod tests {
             ("bsp:leaf=0", "leaf"),
             ("bsp:depth=61", "depth"),
             ("bsp:density=2", "unknown option `density`"),
+            ("nested:quality=good", "fast|default|best"),
+            ("nested:memory=-1", "memory"),
             ("", "name"),
         ] {
             let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };
