@@ -5,7 +5,8 @@ use crate::ray::{Aabb, Cell, Ray};
 
 /// Triangles first, then spheres: sphere `i` has index `triangles.len() + i`.
 ///
-/// Triangles and spheres are ordered as exact numbers: a quotient against a root of a quadratic equation. At most 2^32 - 2 primitives can be told apart; those beyond are never hit.
+/// Triangles and spheres are ordered as exact numbers: a quotient against a root of a quadratic equation. At most 2^32 - 2
+/// primitives can be told apart; those beyond are never hit.
 #[derive(Clone, Debug, Default)]
 pub struct Mixed {
     /// Primitives `0..triangles.len()`.
@@ -36,7 +37,9 @@ impl Geometry for Mixed {
             // `self` and not the triangles alone: the winner to compare with may be a sphere.
             triangle::test(self, prim, corners, ray, &prep.0, best);
         } else {
-            sphere::test(self, prim, &self.spheres[prim as usize - self.triangles.len()], ray, &prep.1, best);
+            let (triangles, spheres) = prep;
+            let ball = &self.spheres[prim as usize - self.triangles.len()];
+            sphere::test(self, prim, ball, ray, (spheres, &triangles.decided), best);
         }
     }
 

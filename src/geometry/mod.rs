@@ -9,6 +9,7 @@ mod exact;
 pub(crate) mod expansion;
 mod face;
 mod indexed;
+mod meeting;
 mod mixed;
 mod number;
 pub(crate) mod polygon;

@@ -7,7 +7,7 @@
 //! leaves something open, so next to never.
 
 use super::number::Number;
-use super::whole::parts;
+use super::whole::{parts, parts_of_f64};
 use super::{Sphere, Triangle};
 use crate::ray::Ray;
 use glam::Vec3;
@@ -116,15 +116,8 @@ impl Root {
         if t.is_infinite() {
             return 0f64.total_cmp(&t);
         }
-        let bits = t.to_bits();
-        let (fraction, biased) = (bits & 0xf_ffff_ffff_ffff, (bits >> 52 & 0x7ff) as i32);
-        let (size, power) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
-        if size == 0 {
-            return self.cmp_fraction(&Number::ZERO, &1.into(), self.exponent);
-        }
-        let zeros = size.trailing_zeros();
-        let mantissa = (size >> zeros) as i64 * if t.is_sign_negative() { -1 } else { 1 };
-        self.cmp_fraction(&mantissa.into(), &1.into(), power + zeros as i32)
+        let (mantissa, power) = parts_of_f64(t);
+        self.cmp_fraction(&mantissa.into(), &1.into(), power)
     }
 
     /// Compares with another root for the same ray.

@@ -348,7 +348,7 @@ mod tests {
             assert_eq!(voxels.prim_of(voxel, face), Some(prim - prim % 2));
             // A right triangle with legs of an edge, half an edge from the voxel's centre on the side of the normal.
             assert_eq!((b - a).cross(c - a), 0.25 * face.normal(), "{prim}");
-            let centre = Vec3::new(-1.0, 2.0, 5.0) + 0.5 * (glam::UVec3::from(voxel).as_vec3() + 0.5);
+            let centre = Vec3::new(-1.0, 2.0, 5.0) + 0.5 * (Vec3::from(voxel.map(|i| i as f32)) + 0.5);
             assert_eq!((a - centre).dot(face.normal()), 0.25, "{prim}");
             assert!((a - centre).abs().max_element() == 0.25 && (c - centre).abs().max_element() == 0.25, "{prim}");
         }

@@ -7,8 +7,10 @@
 //! exactly, so that hits, tangents and the side on which the origin lies are never wrong; and parameters carry a bound on their
 //! error, so that ranges, the order of hits and rounding are decided exactly where it leaves them open ([`super::root`]).
 
+use super::decided::Decided;
 use super::exact::nearest;
 use super::expansion::{Difference, Expansion, difference, two_product, two_sum};
+use super::meeting::{Point, Which};
 use super::root::Root;
 use super::{Best, Geometry};
 use crate::ray::{Aabb, Cell, Ray};
@@ -88,8 +90,8 @@ impl Sphere {
     }
 }
 
-/// What the sphere tests of one ray share.
-#[derive(Clone, Copy, Debug)]
+/// What the sphere tests of one ray share, and what the exact stage has decided. It serves one [`Best`].
+#[derive(Debug)]
 pub struct SpherePrep {
     /// The direction at unit length.
     unit: Vec3,
@@ -98,14 +100,22 @@ pub struct SpherePrep {
     /// Squared length of the direction, and its inverse. Between 2^-298 and 2^258 for f32 directions.
     squared: f64,
     inverse: f64,
+    decided: Decided,
 }
 
 impl SpherePrep {
-    fn new(ray: &Ray) -> Self {
+    pub(super) fn new(ray: &Ray) -> Self {
         let direction = ray.direction.as_dvec3();
         let squared = direction.length_squared();
         let unit = (direction / squared.sqrt()).as_vec3();
-        Self { unit, origin: ray.origin.as_dvec3(), direction, squared, inverse: 1.0 / squared }
+        Self {
+            unit,
+            origin: ray.origin.as_dvec3(),
+            direction,
+            squared,
+            inverse: 1.0 / squared,
+            decided: Decided::default(),
+        }
     }
 
     /// True only if the ray's line certainly misses the sphere: the first stage, in f32.
@@ -129,7 +139,7 @@ const U: f64 = f64::EPSILON / 2.0;
 
 /// A parameter and a bound on its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Estimate {
+pub(super) struct Estimate {
     t: f64,
     err: f64,
 }
@@ -143,8 +153,13 @@ enum Within {
 
 impl Estimate {
     /// `t`, known within `err`; the rest is for the rounding of sums of the two.
-    fn new(t: f64, err: f64) -> Self {
+    pub fn new(t: f64, err: f64) -> Self {
         Self { t, err: err + t.abs() * (2.0 * f64::EPSILON) }
+    }
+
+    /// False only if the two certainly differ.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.t - self.err <= other.t + other.err && other.t - other.err <= self.t + self.err
     }
 
     fn within(&self, ray: &Ray) -> Within {
@@ -160,25 +175,32 @@ impl Estimate {
     }
 }
 
-/// Tests sphere `prim` of `set`; see [`Geometry::test`].
+/// Tests sphere `prim` of `set`; see [`Geometry::test`]. `decided` is what all tests of the ray share of it.
 #[inline]
 pub(super) fn test<G: Geometry + ?Sized>(
     set: &G,
     prim: u32,
     sphere: &Sphere,
     ray: &Ray,
-    prep: &SpherePrep,
+    (prep, decided): (&SpherePrep, &Decided),
     best: &mut Best,
 ) {
     if !prep.misses(ray.origin, sphere) {
-        confirm(set, prim, sphere, ray, prep, best);
+        confirm(set, prim, sphere, ray, (prep, decided), best);
     }
 }
 
 /// The second stage.
 #[inline(never)]
-fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, sphere: &Sphere, ray: &Ray, prep: &SpherePrep, best: &mut Best) {
-    if best.prim() == Some(prim) {
+fn confirm<G: Geometry + ?Sized>(
+    set: &G,
+    prim: u32,
+    sphere: &Sphere,
+    ray: &Ray,
+    (prep, decided): (&SpherePrep, &Decided),
+    best: &mut Best,
+) {
+    if best.prim() == Some(prim) || decided.is_known(prim) {
         return;
     }
     let Some((near, far)) = roots(sphere, ray, prep) else { return };
@@ -191,7 +213,7 @@ fn confirm<G: Geometry + ?Sized>(set: &G, prim: u32, sphere: &Sphere, ray: &Ray,
     match first {
         Some(Estimate { t, err }) if t - err > best.upper() => {}
         Some(Estimate { t, err }) if t + err < best.t() - best.err() => best.replace(t, err, prim),
-        _ => decide(set, prim, sphere, ray, (near, far), best),
+        _ => decide(set, prim, sphere, ray, (near, far), decided, best),
     }
 }
 
@@ -204,8 +226,10 @@ fn decide<G: Geometry + ?Sized>(
     sphere: &Sphere,
     ray: &Ray,
     (near, far): (Estimate, Estimate),
+    decided: &Decided,
     best: &mut Best,
 ) {
+    decided.note(prim);
     let winner = best.prim().map(|winner| (winner, set.triangle(winner), set.sphere(winner)));
     if let Some((winner, None, Some(other))) = winner
         && other == *sphere
@@ -215,6 +239,23 @@ fn decide<G: Geometry + ?Sized>(
             best.replace(best.t(), best.err(), prim);
         }
         return;
+    }
+    if let Some((winner, ..)) = winner
+        && let Some(point) = decided.point(winner, || Point::of_winner(set, ray, best))
+    {
+        // The winner's parameter is in range: the sphere ties unless it is met before.
+        let ties = match point.root_of(sphere, ray, &near, &far) {
+            Some(Which::Lesser) => true,
+            Some(Which::Greater) => matches!(near.within(ray), Within::No),
+            None => false,
+        };
+        if ties {
+            if prim < winner {
+                best.replace(best.t(), best.err(), prim);
+                decided.note_point(prim, point);
+            }
+            return;
+        }
     }
     let Some(root) = Root::first(sphere, ray) else { return };
     let order = match winner {
@@ -253,7 +294,7 @@ pub(super) fn winner(sphere: &Sphere, ray: &Ray) -> Root {
 /// difference times `|d|^2`, is known within `(e |d|^2 + 4 u S) / sqrt S`, which is twice the derivative's worth: enough, as
 /// `e` is at most a 64th. Sums and quotients add up from there.
 #[inline]
-fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<(Estimate, Estimate)> {
+pub(super) fn roots(sphere: &Sphere, ray: &Ray, prep: &SpherePrep) -> Option<(Estimate, Estimate)> {
     if !sphere.is_usable() {
         return None;
     }
@@ -336,7 +377,7 @@ impl Geometry for [Sphere] {
 
     #[inline]
     fn test(&self, prim: u32, ray: &Ray, prep: &SpherePrep, best: &mut Best) {
-        test(self, prim, &self[prim as usize], ray, prep, best);
+        test(self, prim, &self[prim as usize], ray, (prep, &prep.decided), best);
     }
 
     fn round(&self, ray: &Ray, best: &Best) -> f32 {

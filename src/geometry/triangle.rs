@@ -10,6 +10,7 @@
 
 use super::decided::Decided;
 use super::exact::{Crossing, Sides};
+use super::meeting::Point;
 use super::{Best, Geometry, sphere};
 use crate::ray::{Aabb, Ray};
 use glam::{DVec3, Vec3};
@@ -27,7 +28,7 @@ pub struct TrianglePrep {
     /// The direction's other components over the greatest, in -1..=1.
     shear_x: f32,
     shear_y: f32,
-    decided: Decided,
+    pub(super) decided: Decided,
 }
 
 impl TrianglePrep {
@@ -294,17 +295,29 @@ fn decide<G: Geometry + ?Sized>(
                         Some(other) => crossing.cmp_crossing(&other),
                         None => unreachable!("a winner is neither degenerate nor parallel to the ray"),
                     },
-                    (None, Some(sphere)) => sphere::winner(&sphere, ray).cmp_plane(ray, corners).reverse(),
+                    (None, Some(sphere)) => {
+                        let point = prep.decided.point(winner, || Point::of_winner(set, ray, best));
+                        if point.is_some_and(|point| point.is_on_plane(corners)) {
+                            Ordering::Equal
+                        } else {
+                            sphere::winner(&sphere, ray).cmp_plane(ray, corners).reverse()
+                        }
+                    }
                     (None, None) => crossing.cmp_parameter(best.t()), // something else: its parameter counts as exact
                 };
                 if order.then(prim.cmp(&winner)) != Ordering::Less {
+                    if let (Ordering::Equal, Some(i)) = (order, corner) {
+                        prep.decided.note_point(winner, Point::proven(corners[i], ray));
+                    }
                     return;
                 }
             }
         }
     }
     best.replace(t, err, prim);
-    prep.decided.note_winner(prim, corner.map(|i| corners[i]));
+    if let Some(i) = corner {
+        prep.decided.note_point(prim, Point::proven(corners[i], ray));
+    }
 }
 
 /// The winner's exact parameter rounded to f32; see [`Geometry::round`]. The winner is the triangle `corners`.

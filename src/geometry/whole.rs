@@ -23,8 +23,27 @@ pub(super) fn parts(x: f32) -> (i64, i32) {
     (if x.is_sign_negative() { -mantissa } else { mantissa }, exponent + zeros as i32)
 }
 
+/// `mantissa * 2^exponent` exactly, the mantissa odd; `(0, 0)` for zero. `x` is finite.
+pub(super) fn parts_of_f64(x: f64) -> (i64, i32) {
+    let bits = x.to_bits();
+    let (fraction, biased) = ((bits & 0xf_ffff_ffff_ffff) as i64, (bits >> 52 & 0x7ff) as i32);
+    let (mantissa, exponent) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
+    if mantissa == 0 {
+        return (0, 0);
+    }
+    let zeros = mantissa.trailing_zeros();
+    let mantissa = mantissa >> zeros;
+    (if x.is_sign_negative() { -mantissa } else { mantissa }, exponent + zeros as i32)
+}
+
+/// `2^exponent` exactly, the exponent in -1022..=1023. The standard library's powers promise no precision.
+pub(super) fn power_of_two(exponent: i32) -> f64 {
+    debug_assert!((-1022..=1023).contains(&exponent), "2^{exponent} is no normal f64");
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
 /// `vectors` as whole numbers of at most 61 bits over the power of two that is returned; `None` if they do not fit.
-fn whole<const N: usize>(vectors: [Vec3; N]) -> Option<([[i64; 3]; N], i32)> {
+pub(super) fn whole<const N: usize>(vectors: [Vec3; N]) -> Option<([[i64; 3]; N], i32)> {
     let split = vectors.map(|v| v.to_array().map(parts));
     let exponent = split.iter().flatten().map(|&(_, exponent)| exponent).min().filter(|&e| e != i32::MAX)?;
     let mut fits = true;
@@ -42,17 +61,17 @@ fn whole<const N: usize>(vectors: [Vec3; N]) -> Option<([[i64; 3]; N], i32)> {
     fits.then_some((numbers, exponent))
 }
 
-fn subtract(p: [i64; 3], q: [i64; 3]) -> [i64; 3] {
+pub(super) fn subtract(p: [i64; 3], q: [i64; 3]) -> [i64; 3] {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
 /// Bits of the greatest component.
-fn bits(v: &[i64; 3]) -> u32 {
+pub(super) fn bits(v: &[i64; 3]) -> u32 {
     64 - (v[0].unsigned_abs() | v[1].unsigned_abs() | v[2].unsigned_abs()).leading_zeros()
 }
 
 /// `a . (b x c)`. The bits of the three vectors add up to 123 at most: six products, none beyond 2^123.
-fn triple(a: &[i64; 3], b: &[i64; 3], c: &[i64; 3]) -> i128 {
+pub(super) fn triple(a: &[i64; 3], b: &[i64; 3], c: &[i64; 3]) -> i128 {
     let minor = |j: usize, k: usize| i128::from(b[j]) * i128::from(c[k]) - i128::from(b[k]) * i128::from(c[j]);
     i128::from(a[0]) * minor(1, 2) + i128::from(a[1]) * minor(2, 0) + i128::from(a[2]) * minor(0, 1)
 }
@@ -114,7 +133,7 @@ pub(super) struct Quotient {
 impl Quotient {
     /// The quotient, within 2^-51 of itself: two conversions and a division. The power of two is exact.
     pub fn estimate(&self) -> f64 {
-        self.numerator as f64 / self.denominator as f64 * 2f64.powi(self.exponent)
+        self.numerator as f64 / self.denominator as f64 * power_of_two(self.exponent)
     }
 
     /// Compares with another quotient.
@@ -125,11 +144,9 @@ impl Quotient {
 
     /// Compares with a finite number.
     pub fn cmp_finite(&self, t: f64) -> Ordering {
-        let bits = t.to_bits();
-        let (fraction, biased) = ((bits & 0xf_ffff_ffff_ffff) as i128, (bits >> 52 & 0x7ff) as i32);
-        let (size, power) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
-        let mantissa = if t.is_sign_negative() { -size } else { size };
-        Product::new(self.numerator, 1, self.exponent).cmp_product(&Product::new(mantissa, self.denominator, power))
+        let (mantissa, power) = parts_of_f64(t);
+        let theirs = Product::new(mantissa.into(), self.denominator, power);
+        Product::new(self.numerator, 1, self.exponent).cmp_product(&theirs)
     }
 }
 
@@ -190,10 +207,17 @@ mod tests {
     fn numbers_are_taken_apart_exactly() {
         for x in [1.0, -1.5, 0.1, -3e38, 1e-45, f32::MIN_POSITIVE, f32::MAX, 16_777_215.0, -96.0] {
             let (mantissa, exponent) = parts(x);
-            assert_eq!(mantissa as f64 * 2f64.powi(exponent), f64::from(x), "{x}");
+            assert_eq!(mantissa as f64 * power_of_two(exponent), f64::from(x), "{x}");
             assert_eq!(mantissa & 1, 1, "{x}");
         }
         assert_eq!((parts(0.0).0, parts(-0.0).0), (0, 0));
+        for x in [1.0, -1.5, 0.1, -3e300, f64::MIN_POSITIVE, f64::MAX, -96.0] {
+            let (mantissa, exponent) = parts_of_f64(x);
+            assert_eq!(mantissa as f64 * power_of_two(exponent), x, "{x}");
+            assert_eq!(mantissa & 1, 1, "{x}");
+        }
+        assert_eq!([-1022, -1, 0, 1, 1023].map(power_of_two), [f64::MIN_POSITIVE, 0.5, 1.0, 2.0, 8.98846567431158e307]);
+        assert_eq!((parts_of_f64(5e-324), parts_of_f64(-0.0)), ((1, -1074), (0, 0)));
         assert!(whole([Vec3::new(1.0, 1e-20, 0.0)]).is_none());
         assert_eq!(whole([Vec3::new(1.5, -3.0, 0.0)]), Some(([[3, -6, 0]], -1)));
     }

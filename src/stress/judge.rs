@@ -62,21 +62,16 @@ pub struct Fault {
     pub truth: String,
 }
 
-/// What answers are judged by.
-pub(super) struct Bars {
-    /// Most steps and tests together that a ray may take.
-    pub work: u64,
-}
-
 impl Tally {
-    /// Judges the answer about ray `index`. `first` is the answer of the first exact accelerator, if it gave one.
+    /// Judges the answer about ray `index`. `first` is the answer of the first exact accelerator, if it gave one; a ray that
+    /// takes more than `most_work` steps and tests together counts as endless.
     pub(super) fn judge(
         &mut self,
         (index, ray): (u64, &Ray),
         asked: &Asked,
         truth: Option<&Truth>,
         first: Option<&Asked>,
-        bars: &Bars,
+        most_work: u64,
     ) {
         let answer = match asked {
             Asked::Left => {
@@ -106,7 +101,7 @@ impl Tally {
             count(!same(first.closest, answer.closest), &mut self.differing, "differs from the first accelerator");
         }
         let steps = answer.counts.steps + answer.counts.leaps;
-        count(steps + answer.counts.tests > bars.work, &mut self.hangs, "too many steps");
+        count(steps + answer.counts.tests > most_work, &mut self.hangs, "too many steps");
         self.most_steps = self.most_steps.max(steps);
         self.most_tests = self.most_tests.max(answer.counts.tests);
         if let Some(kind) = fault {

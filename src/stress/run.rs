@@ -3,7 +3,7 @@
 use super::ask::{Asked, ask, survive};
 use super::cases::{Case, Selection, Stage};
 use super::contender::Contender;
-use super::judge::{Bars, Tally};
+use super::judge::Tally;
 use super::report::{CaseResult, Outcome, Row, Study, WalkResult};
 use super::time::times;
 use super::walks::study;
@@ -104,9 +104,9 @@ fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, pr
         result.rows.push(Row { accel: contender.name.clone(), exact: contender.exact, outcome });
     }
 
-    let bars = Bars { work: 1_000_000 + 64 * count };
-    // Far above what any ray should take, yet all accelerators come to an end.
-    let patience = Duration::from_secs(10) + Duration::from_micros(2500 * rays);
+    let most_work = 1_000_000 + 64 * count;
+    // Far above what any ray should take, brute force included, yet all accelerators come to an end.
+    let patience = Duration::from_secs(10) + Duration::from_micros((2500 + count) * rays);
     let step = (MOST_TIES / count.max(1)).clamp(16, CHUNK);
     for from in (0..rays).step_by(step as usize) {
         let chunk: Vec<Ray> = (from..rays.min(from + step)).map(|i| stage.ray(i)).collect();
@@ -122,7 +122,7 @@ fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, pr
             runner.spent += begin.elapsed();
             for (i, (ray, asked)) in chunk.iter().zip(&asked).enumerate() {
                 let first = first.as_ref().filter(|_| runner.contender.exact).map(|first| &first[i]);
-                runner.tally.judge((from + i as u64, ray), asked, truth[i].as_ref(), first, &bars);
+                runner.tally.judge((from + i as u64, ray), asked, truth[i].as_ref(), first, most_work);
             }
             if runner.contender.exact && first.is_none() {
                 first = Some(asked);

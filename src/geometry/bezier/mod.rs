@@ -13,6 +13,7 @@ mod search;
 
 pub use pencil::Pencil;
 
+use super::whole::power_of_two;
 use super::{Best, Geometry};
 use crate::ray::{Aabb, Cell, Ray};
 use glam::{DVec3, Vec3};
@@ -48,7 +49,7 @@ impl BezierPatch {
         let all = Aabb::of_points(points.as_flattened());
         let reach = f64::from(points.as_flattened().iter().fold(0.0_f32, |most, p| most.max(p.abs().max_element())));
         let exponent = f64::from_bits(reach.max(1e-60).to_bits() & f64::INFINITY.to_bits());
-        let mut patch = Self { points, reach, quantum: exponent * 2f64.powi(-70), boxes: [all; SIDE * SIDE] };
+        let mut patch = Self { points, reach, quantum: exponent * power_of_two(-70), boxes: [all; SIDE * SIDE] };
         if !all.is_empty() {
             patch.boxes = cover::boxes(&patch);
         }
