@@ -22,8 +22,8 @@
 //! **Why nothing is lost.** Cells tile the ray: each `s` from its begin to its end lies, by comparisons of the computed crossings
 //! alone, in the interval of some cell that is visited, or of an empty cube; crossings of one plane are computed
 //! alike for the cells on both its sides, and the outermost cells of a node have no outer planes. The ray at that `s` is within
-//! rounding of that cell ([`frame`]'s 4 e for the ray, 14 e for a crossing of the grid's, 6 e for one of a node's), and
-//! primitives are listed in every cell within [`frame::PADDING`], 64 e. So a hit is found when the cell of its `s` is visited,
+//! rounding of that cell (`frame`: 4 e for the ray, 14 e for a crossing of the grid's, 6 e for one of a node's), and
+//! primitives are listed in every cell within the padding, 64 e. So a hit is found when the cell of its `s` is visited,
 //! and a walk may end where the next cell begins beyond the winner.
 //!
 //! **Instructions** are chosen once for each ray, in `simd.rs`; all of them round alike.
