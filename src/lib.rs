@@ -14,6 +14,7 @@ pub mod geometry;
 pub mod grid;
 #[cfg(feature = "render")]
 pub mod measure;
+pub mod nested;
 #[cfg(feature = "scene")]
 mod npy;
 #[cfg(feature = "oracle")]

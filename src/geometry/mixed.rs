@@ -43,6 +43,10 @@ impl Geometry for Mixed {
         }
     }
 
+    fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> {
+        triangle::locate(self.triangles.get(prim as usize)?, ray)
+    }
+
     fn round(&self, ray: &Ray, best: &Best) -> f32 {
         match best.prim() {
             Some(prim) => match (self.triangle(prim), self.sphere(prim)) {

@@ -61,6 +61,12 @@ pub trait Geometry: Send + Sync {
     /// The simplest implementation computes the parameter and calls [`Best::offer`].
     fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best);
 
+    /// Where `ray` meets `prim`, which it certainly does, in its range and first there: a parameter and a bound on its error.
+    /// `None` if this is not known without a test. `ray` comes from [`Ray::intake`].
+    fn locate(&self, _prim: u32, _ray: &Ray) -> Option<(f64, f64)> {
+        None
+    }
+
     /// The winner's parameter as f32, the same for every order of tests. `best` has a winner.
     fn round(&self, _ray: &Ray, best: &Best) -> f32 {
         best.t as f32
@@ -187,6 +193,8 @@ macro_rules! forward_geometry {
                 (**self).test(prim, ray, prep, best);
             }
             #[inline]
+            fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> { (**self).locate(prim, ray) }
+            #[inline]
             fn round(&self, ray: &Ray, best: &Best) -> f32 { (**self).round(ray, best) }
             #[inline]
             fn overlaps(&self, prim: u32, cell: &Cell) -> bool { (**self).overlaps(prim, cell) }
@@ -230,6 +238,10 @@ where
     #[inline]
     fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
         self.as_slice().test(prim, ray, prep, best);
+    }
+    #[inline]
+    fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> {
+        self.as_slice().locate(prim, ray)
     }
     #[inline]
     fn round(&self, ray: &Ray, best: &Best) -> f32 {

@@ -133,6 +133,38 @@ pub(super) fn test<G: Geometry + ?Sized>(
     }
 }
 
+/// Half the distance from 1 to the next f64, times the roundings of a sum of products: see [`confirm`].
+const BOUND: f64 = 56.0 * (f64::EPSILON / 2.0);
+
+/// Where the ray of direction `d` crosses the plane through `a`, seen from the origin, with the edges `ac = a - c` and `ba = b -
+/// a`: the parameter and a bound on its error; `None` if it may be parallel.
+#[inline(always)]
+fn cross_plane(d: DVec3, a: DVec3, ac: DVec3, ba: DVec3) -> Option<(f64, f64)> {
+    // n = (B - A) x (C - A) = (A - C) x (B - A); t = (A . n) / (d . n).
+    let n = ac.cross(ba);
+    let (numerator, denominator) = (a.dot(n), d.dot(n));
+    let n_bound = BOUND * size(ac) * size(ba);
+    let d_error = n_bound * size(d);
+    if denominator.abs() > 2.0 * d_error {
+        let n_error = n_bound * size(a);
+        let t = numerator / denominator;
+        // If N / D is the exact quotient, |t - N / D| <= (n_error + |t| d_error) / (|denominator| - d_error). The rest is for
+        // the division, for the rounding of this line and for that of t - err and t + err later on.
+        let err =
+            (n_error + t.abs() * d_error) / (denominator.abs() - d_error) * 1.0001 + t.abs() * (2.0 * f64::EPSILON);
+        Some((t, err))
+    } else {
+        None
+    }
+}
+
+/// Where the ray meets a triangle that it certainly meets; see [`Geometry::locate`].
+#[inline]
+pub(super) fn locate(corners: &Triangle, ray: &Ray) -> Option<(f64, f64)> {
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    cross_plane(ray.direction.as_dvec3(), a - ray.origin.as_dvec3(), a - c, b - a)
+}
+
 /// The second stage.
 ///
 /// Every quantity is a sum of six products of three differences of inputs. With `u = 2^-53` each product carries at
@@ -148,7 +180,6 @@ fn confirm<G: Geometry + ?Sized>(
     prep: &TrianglePrep,
     best: &mut Best,
 ) {
-    const BOUND: f64 = 56.0 * (f64::EPSILON / 2.0);
     if best.prim() == Some(prim) || prep.decided.is_beaten(prim, corners, best.prim()) {
         return;
     }
@@ -172,21 +203,13 @@ fn confirm<G: Geometry + ?Sized>(
         [(above.0, below.0), (above.1, below.1), (above.2, below.2)].map(|(up, down)| i32::from(up) - i32::from(down))
     };
 
-    // n = (B - A) x (C - A) = (A - C) x (B - A); t = (A . n) / (d . n).
-    let n = ac.cross(ba);
-    let (numerator, denominator) = (a.dot(n), d.dot(n));
-    let d_error = d_bound * ac_size * ba_size;
-    if !(inside && denominator.abs() > 2.0 * d_error) {
+    let crossing = if inside { cross_plane(d, a, ac, ba) } else { None };
+    let Some((t, err)) = crossing else {
         if !is_plainly_parallel(d, ac, ba) {
             decide(set, prim, corners, ray, prep, sides(), best);
         }
         return;
-    }
-    let n_error = BOUND * size(a) * ac_size * ba_size;
-    let t = numerator / denominator;
-    // If N / D is the exact quotient, |t - N / D| <= (n_error + |t| d_error) / (|denominator| - d_error). The rest
-    // is for the division, for the rounding of this line and for that of t - err and t + err below.
-    let err = (n_error + t.abs() * d_error) / (denominator.abs() - d_error) * 1.0001 + t.abs() * (2.0 * f64::EPSILON);
+    };
     match place(t, err, ray, best) {
         Place::Nearest => best.replace(t, err, prim),
         Place::Useless => {}
@@ -337,6 +360,10 @@ impl Geometry for [Triangle] {
     #[inline]
     fn test(&self, prim: u32, ray: &Ray, prep: &TrianglePrep, best: &mut Best) {
         test(self, prim, &self[prim as usize], ray, prep, best);
+    }
+
+    fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> {
+        locate(&self[prim as usize], ray)
     }
 
     fn round(&self, ray: &Ray, best: &Best) -> f32 {

@@ -1,6 +1,7 @@
 //! Every accelerator by name, one entry each; parses specifications such as `grid:density=4,mailbox=on`.
 
 mod bsp;
+mod nested;
 mod peers;
 mod spec;
 mod variants;
@@ -165,6 +166,7 @@ pub const ENTRIES: &[Entry] = &[
         exact: true,
     },
     bsp::ENTRY,
+    nested::ENTRY,
     #[cfg(feature = "obvhs")]
     Entry {
         name: "obvhs-bvh2",
@@ -246,6 +248,7 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
         "grid-chessboard" => skip_grid::<_, Chessboard>(spec, geometry)?,
         "grid-octant" => skip_grid::<_, Octants>(spec, geometry)?,
         "bsp" => bsp::build(spec, geometry)?,
+        "nested" => nested::build(spec, geometry)?,
         "voxels" => match geometry.solid() {
             Some(solid) => voxels::build(spec, solid.clone())?,
             None => return Err(spec.error("needs a scene of solid voxels such as a .vox file")),
@@ -444,6 +447,8 @@ mod tests {
             ("bsp:leaf=0", "leaf"),
             ("bsp:depth=61", "depth"),
             ("bsp:density=2", "unknown option `density`"),
+            ("nested:quality=good", "fast|default|best"),
+            ("nested:memory=-1", "memory"),
             ("", "name"),
         ] {
             let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };

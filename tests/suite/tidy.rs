@@ -16,9 +16,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("accel", &["geometry", "ray"]),
     ("grid", &["accel", "error", "geometry", "ray"]),
     ("bsp", &["accel", "error", "geometry", "ray"]),
+    ("nested", &["accel", "error", "geometry", "grid", "ray"]),
     ("adapters", &["accel", "error", "geometry", "ray"]),
     // Only the registry names an adapter.
-    ("registry", &["accel", "adapters", "bsp", "error", "geometry", "grid"]),
+    ("registry", &["accel", "adapters", "bsp", "error", "geometry", "grid", "nested"]),
     ("scene", &["accel", "error", "geometry", "npy", "picture", "random", "ray", "registry"]),
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
@@ -46,7 +47,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
 const MOST_LINES: usize = 600;
 
 /// Where unsafe code may stand: calls into other languages.
-const UNSAFE_ALLOWED: &[&str] = &["adapters/accel/embree.rs", "adapters/capi"];
+const UNSAFE_ALLOWED: &[&str] = &["adapters/accel/embree.rs", "adapters/capi", "src/nested/simd.rs"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -173,6 +173,13 @@ fn trees_answer_exactly() {
     }
 }
 
+#[test]
+fn nested_grids_answer_exactly() {
+    for quality in ["fast", "default", "best"] {
+        check(&format!("nested:quality={quality}"));
+    }
+}
+
 #[cfg(feature = "obvhs")]
 #[test]
 fn obvhs_with_the_exact_test_answers_exactly() {

@@ -106,5 +106,12 @@ pub trait Method: Send + Sync + 'static {
     fn safe_until<T: Slot>(ray: &Self::Ray, walk: &Walk, slots: &[T], slot: T) -> Option<f64>;
 }
 
+/// For each octant of directions and each voxel, x varying fastest, the edge of the cube of empty voxels that begins with it and
+/// reaches along the octant; 0 if it is filled, 255 for "255 or more". Bit `a` of an octant is set if it points to lesser
+/// coordinates along axis `a`.
+pub(crate) fn free_cubes(resolution: [usize; 3], filled: Vec<bool>) -> Vec<Vec<u8>> {
+    distance::chebyshev_octants(&Occupancy { resolution, filled })
+}
+
 #[cfg(test)]
 mod tests;

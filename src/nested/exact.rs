@@ -1,0 +1,69 @@
+//! What survives the packs is decided by the geometry's own exact test, as in every other accelerator.
+
+use crate::geometry::{Best, Geometry};
+use crate::ray::Ray;
+
+/// The exact tests of one ray, without the geometry's type: walks are compiled once for all geometries.
+pub(super) trait Exact {
+    /// Tests a primitive; what is known of the winner's parameter, if there is a winner.
+    fn test(&mut self, prim: u32) -> Option<Known>;
+
+    /// As [`Exact::test`], of a primitive that certainly is the winner.
+    fn settle(&mut self, prim: u32) -> Option<Known>;
+
+    /// The parameter at or beyond the winner's true one, infinite if there is none.
+    fn upper(&self) -> f64;
+}
+
+/// A parameter of the ray, known to lie within two others.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    pub lower: f64,
+    pub upper: f64,
+}
+
+/// The exact tests of one ray of `geometry`.
+pub(super) struct Tests<'a, G: Geometry> {
+    geometry: &'a G,
+    ray: Ray,
+    /// Made when the first primitive comes: many rays meet none.
+    prep: Option<G::Prep>,
+    /// The winner.
+    pub best: Best,
+}
+
+impl<'a, G: Geometry> Tests<'a, G> {
+    /// `ray` comes from [`Ray::intake`].
+    pub fn new(geometry: &'a G, ray: &Ray) -> Self {
+        Self { geometry, ray: *ray, prep: None, best: Best::NONE }
+    }
+
+    #[inline]
+    fn known(&self) -> Option<Known> {
+        let (t, err) = (self.best.t(), self.best.err());
+        self.best.is_hit().then_some(Known { lower: t - err, upper: t + err })
+    }
+}
+
+impl<G: Geometry> Exact for Tests<'_, G> {
+    #[inline(never)]
+    fn test(&mut self, prim: u32) -> Option<Known> {
+        let prep = self.prep.get_or_insert_with(|| self.geometry.prepare(&self.ray));
+        self.geometry.test(prim, &self.ray, prep, &mut self.best);
+        self.known()
+    }
+
+    fn settle(&mut self, prim: u32) -> Option<Known> {
+        match self.geometry.locate(prim, &self.ray) {
+            Some((t, err)) => {
+                self.best.replace(t, err, prim);
+                self.known()
+            }
+            None => self.test(prim),
+        }
+    }
+
+    fn upper(&self) -> f64 {
+        self.best.upper()
+    }
+}

@@ -1,0 +1,191 @@
+//! Eight numbers at a time: what the tests of packs and nodes are written in, once for all processors.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+
+/// One f32 for each of eight lanes, aligned for processors that read it at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub(super) struct Row(pub [f32; 8]);
+
+impl Row {
+    /// The number that `f` has for each lane.
+    pub fn of(f: impl FnMut(usize) -> f32) -> Self {
+        Self(std::array::from_fn(f))
+    }
+}
+
+/// Eight f32 in registers. Every operation rounds as that of f32 does and none is fused with another, so that all
+/// implementations have the same bits.
+pub(super) trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// A claim for each lane.
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
+
+    /// The lanes of a row.
+    fn of(row: &Row) -> Self;
+
+    /// The same number in all lanes.
+    fn splat(x: f32) -> Self;
+
+    /// `a` in the lower four lanes, `b` in the upper four.
+    fn halves(a: f32, b: f32) -> Self;
+
+    /// To memory.
+    fn row(self) -> Row;
+
+    /// The lesser one, lane by lane; `other` if one is a NaN.
+    fn min(self, other: Self) -> Self;
+
+    /// The greater one, lane by lane; `other` if one is a NaN.
+    fn max(self, other: Self) -> Self;
+
+    /// Without the sign.
+    fn abs(self) -> Self;
+
+    /// Square roots.
+    fn sqrt(self) -> Self;
+
+    /// Where this is less than `other`; false for a NaN.
+    fn less(self, other: Self) -> Self::Mask;
+
+    /// Bit `i` is set if the claim is true of lane `i`.
+    fn bits(mask: Self::Mask) -> u32;
+
+    /// The cells of a node that a ray crosses: bit `x + 4 y + 16 z` is set if the intervals `x` of the first axis, `y` of the
+    /// second and `z` of the third have a point in common. The row of an axis has the four lower ends, then the four upper.
+    #[inline(always)]
+    fn crossed(axes: &[Row; 3]) -> u64 {
+        let [Row(x), Row(y), Row(z)] = axes;
+        let near_x = Self::of(&Row([x[0], x[1], x[2], x[3], x[0], x[1], x[2], x[3]]));
+        let far_x = Self::of(&Row([x[4], x[5], x[6], x[7], x[4], x[5], x[6], x[7]]));
+        let near = [near_x.max(Self::halves(y[0], y[1])), near_x.max(Self::halves(y[2], y[3]))];
+        let far = [far_x.min(Self::halves(y[4], y[5])), far_x.min(Self::halves(y[6], y[7]))];
+        let mut apart = 0;
+        for k in 0..4 {
+            let (near_z, far_z) = (Self::splat(z[k]), Self::splat(z[k + 4]));
+            for h in 0..2 {
+                let mask = far[h].min(far_z).less(near[h].max(near_z));
+                apart |= u64::from(Self::bits(mask)) << (16 * k + 8 * h);
+            }
+        }
+        !apart
+    }
+}
+
+/// Three numbers a lane: a vector of space in each.
+///
+/// Written out: closures and what takes them are not compiled for the instruction set of their caller.
+#[derive(Clone, Copy)]
+pub(super) struct Vector<S> {
+    pub x: S,
+    pub y: S,
+    pub z: S,
+}
+
+impl<S: Lanes> Vector<S> {
+    /// The lanes of three rows.
+    #[inline(always)]
+    pub fn of(rows: &[Row; 3]) -> Self {
+        Self { x: S::of(&rows[0]), y: S::of(&rows[1]), z: S::of(&rows[2]) }
+    }
+
+    /// The same vector in all lanes.
+    #[inline(always)]
+    pub fn splat(v: &[f32; 3]) -> Self {
+        Self { x: S::splat(v[0]), y: S::splat(v[1]), z: S::splat(v[2]) }
+    }
+
+    /// The sum of the products of components.
+    #[inline(always)]
+    pub fn dot(&self, other: &Self) -> S {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// The difference.
+    #[inline(always)]
+    pub fn minus(&self, other: &Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+
+    /// The point `s` times `direction` beyond this one.
+    #[inline(always)]
+    pub fn beyond(&self, s: S, direction: &Self) -> Self {
+        Self { x: self.x + s * direction.x, y: self.y + s * direction.y, z: self.z + s * direction.z }
+    }
+}
+
+/// Eight numbers for a processor of which nothing is known: the compiler makes of them what it can.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Portable([f32; 8]);
+
+impl Portable {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        let mut lanes = [0.0; 8];
+        for (i, lane) in lanes.iter_mut().enumerate() {
+            *lane = f(self.0[i], other.0[i]);
+        }
+        Self(lanes)
+    }
+}
+
+macro_rules! operator {
+    ($($trait:ident $method:ident $op:tt),*) => {$(
+        impl $trait for Portable {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self { self.zip(other, |a, b| a $op b) }
+        }
+    )*};
+}
+operator!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl Lanes for Portable {
+    type Mask = u32;
+
+    #[inline(always)]
+    fn of(row: &Row) -> Self {
+        Self(row.0)
+    }
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self([x; 8])
+    }
+    #[inline(always)]
+    fn halves(a: f32, b: f32) -> Self {
+        Self([a, a, a, a, b, b, b, b])
+    }
+    #[inline(always)]
+    fn row(self) -> Row {
+        Row(self.0)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.zip(self, |a, _| a.abs())
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.zip(self, |a, _| a.sqrt())
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> u32 {
+        let mut bits = 0;
+        for i in 0..8 {
+            bits |= u32::from(self.0[i] < other.0[i]) << i;
+        }
+        bits
+    }
+    #[inline(always)]
+    fn bits(mask: u32) -> u32 {
+        mask
+    }
+}

@@ -1,0 +1,149 @@
+//! The fast one: a coarse grid with skip bytes over trees of 4 x 4 x 4 cells, with packs of eight at the leaves.
+//!
+//! ```text
+//! Nested
+//!  +- part: the large ones      a few primitives as long as the box: packs that every ray tests first        split.rs
+//!  +- part: a dense object      its own frame, -1 to 1 along its longest axis                                 frame.rs
+//!  |    +- grid on top          coarse; a skip byte for each cell and octant of directions                    build.rs
+//!  |         +- empty           the byte is the edge of an empty cube: the ray leaps to its end
+//!  |         +- packs           eight primitives each, tested at once                          triangles.rs, spheres.rs
+//!  |         +- node            64 cells, a mask of those that are filled                                     shape.rs
+//!  |              +- packs or a node, for each filled cell
+//!  +- part: the rest            another grid
+//! ```
+//!
+//! **A ray** (`walk.rs`) is moved to where it enters the part, in f64, and continues in f32. On top it steps and leaps as in
+//! [`crate::grid`]. In a node the crossings of all planes are found at once, and from them the mask of the cells that the ray
+//! crosses; what that has in common with the filled cells is visited from the lowest bit on, which, with the node seen along
+//! the ray's octant, is front to back. A pack rejects what is certainly missed; a hit that is certain and before all others is
+//! kept with its bounds; what is left open, and the winner at the end, goes to the geometry's own test. So the answers are
+//! those of every other accelerator, to the bit.
+//!
+//! **Why nothing is lost.** Cells tile the ray: each `s` from its begin to its end lies, by comparisons of the computed crossings
+//! alone, in the interval of some cell that is visited, or of an empty cube; crossings of one plane are computed
+//! alike for the cells on both its sides, and the outermost cells of a node have no outer planes. The ray at that `s` is within
+//! rounding of that cell ([`frame`]'s 4 e for the ray, 14 e for a crossing of the grid's, 6 e for one of a node's), and
+//! primitives are listed in every cell within [`frame::PADDING`], 64 e. So a hit is found when the cell of its `s` is visited,
+//! and a walk may end where the next cell begins beyond the winner.
+//!
+//! **Instructions** are chosen once for each ray, in `simd.rs`; all of them round alike.
+
+#![allow(clippy::needless_range_loop, reason = "an axis indexes several arrays at once")]
+
+mod build;
+mod exact;
+mod frame;
+mod lanes;
+mod options;
+mod pack;
+mod raster;
+mod root;
+mod shape;
+mod simd;
+mod source;
+mod spheres;
+mod split;
+mod triangles;
+mod walk;
+
+pub use options::{NestedOptions, Quality};
+
+use crate::accel::{Accel, Candidates, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
+use crate::error::Result;
+use crate::geometry::Geometry;
+use crate::ray::{Aabb, Ray};
+use exact::Tests;
+use shape::{AnyPart, Shape};
+use simd::Isa;
+use walk::Outcome;
+
+/// A nested grid over any geometry, which it owns, borrows (`&G`) or shares (`Arc<G>`).
+#[derive(Clone, Debug)]
+pub struct Nested<G> {
+    geometry: G,
+    shape: Shape,
+    isa: Isa,
+    bounds: Aabb,
+    left_out: LeftOut,
+}
+
+impl<G: Geometry> Nested<G> {
+    /// Builds one over `geometry`. Primitives that no ray can hit are left out; an empty geometry is fine.
+    ///
+    /// # Errors
+    /// It would take more than `options.memory` bytes.
+    pub fn build(geometry: G, options: &NestedOptions) -> Result<Self> {
+        let Candidates { prims, bounds, left_out } = Candidates::of(&geometry);
+        let isa = Isa::detect();
+        let shape = root::build(&geometry, &prims, options, isa)?;
+        Ok(Self { geometry, shape, isa, bounds, left_out })
+    }
+
+    #[inline]
+    fn closest(&self, ray: &Ray, trace: impl FnOnce(&mut Tests<G>) -> Outcome) -> Option<Hit> {
+        let mut tests = Tests::new(&self.geometry, ray);
+        let best = match trace(&mut tests) {
+            Outcome::TooFar => scan_all(&self.geometry, ray, &mut ()),
+            _ => tests.best,
+        };
+        best.prim().map(|prim| Hit { t: self.geometry.round(ray, &best), prim })
+    }
+
+    #[inline]
+    fn any(&self, ray: &Ray, trace: impl FnOnce(&mut Tests<G>) -> Outcome) -> bool {
+        let mut tests = Tests::new(&self.geometry, ray);
+        match trace(&mut tests) {
+            Outcome::TooFar => scan_any(&self.geometry, ray, &mut ()),
+            Outcome::Hit => true,
+            Outcome::Done => tests.best.is_hit(),
+        }
+    }
+}
+
+impl<G: Geometry> Accel for Nested<G> {
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        let ray = ray.intake()?;
+        self.closest(&ray, |tests| self.isa.trace(&self.shape, &ray, false, tests))
+    }
+
+    fn any_hit(&self, ray: &Ray) -> bool {
+        let Some(ray) = ray.intake() else { return false };
+        self.any(&ray, |tests| self.isa.trace(&self.shape, &ray, true, tests))
+    }
+
+    // Counted in portable code: one loop less to compile.
+    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
+        counts.rays += 1;
+        let ray = ray.intake()?;
+        self.closest(&ray, |tests| walk::trace_counted(&self.shape, &ray, false, tests, counts))
+    }
+
+    fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
+        counts.rays += 1;
+        let Some(ray) = ray.intake() else { return false };
+        self.any(&ray, |tests| walk::trace_counted(&self.shape, &ray, true, tests, counts))
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        for part in &self.shape.parts {
+            let [structure, references, tables] = part.bytes();
+            memory.structure += structure;
+            memory.references += references;
+            memory.tables += tables;
+        }
+        memory
+    }
+
+    fn describe(&self) -> String {
+        let parts: Vec<String> = self.shape.parts.iter().map(AnyPart::describe).collect();
+        format!("{}; {} code{}", parts.join("; "), self.isa.name(), self.left_out)
+    }
+}
+
+#[cfg(test)]
+mod tests;

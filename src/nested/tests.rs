@@ -1,0 +1,236 @@
+//! The nested grid against brute force, and its parts against what they promise.
+
+use super::frame::{Entry, Frame, Start};
+use super::lanes::{Lanes, Portable, Row};
+use super::pack::{Pack, PackRay, Seen};
+use super::spheres::SpherePack;
+use super::triangles::TrianglePack;
+use super::*;
+use crate::accel::BruteForce;
+use crate::geometry::tests::Random;
+use crate::geometry::{Best, Mixed, NO_PRIM, Sphere, Triangle};
+use glam::Vec3;
+
+fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
+    hit.map(|h| (h.prim, h.t.to_bits()))
+}
+
+/// Rays at `targets` from near and far, along axes and with every length of direction.
+fn rays(random: &mut Random, count: usize, targets: &[Vec3]) -> Vec<Ray> {
+    let mut rays = Vec::new();
+    for i in 0..count {
+        let target = targets[random.next() as usize % targets.len()] + random.in_cube() * [0.0, 1e-3][i % 2];
+        let distance = [0.1, 2.0, 5.0, 1e3, 1e6, 1e9, 1e15][random.next() as usize % 7];
+        let mut direction = random.in_cube();
+        if i % 5 == 0 {
+            direction[i % 3] = 0.0;
+        }
+        if i % 7 == 0 {
+            direction[(i + 1) % 3] = 0.0;
+        }
+        direction *= [1.0, 1e-30, 1e18][random.next() as usize % 3];
+        let origin = target - direction * (distance / direction.length().max(1e-38));
+        let ray = Ray::new(origin, direction);
+        rays.push(match i % 6 {
+            0 => ray.with_range(f32::NEG_INFINITY, f32::INFINITY),
+            1 => ray.with_range(-1.0, 0.5),
+            _ => ray,
+        });
+    }
+    rays
+}
+
+fn check<G: Geometry + Clone>(name: &str, geometry: &G, rays: &[Ray]) {
+    let brute = BruteForce::new(geometry);
+    for quality in [Quality::Fast, Quality::Default, Quality::Best] {
+        let mut nested = Nested::build(geometry, &NestedOptions { quality, ..NestedOptions::default() }).unwrap();
+        assert!(!nested.describe().is_empty());
+        for isa in [Isa::detect(), Isa::Portable] {
+            nested.isa = isa;
+            for ray in rays {
+                let expected = bits(brute.closest_hit(ray));
+                assert_eq!(bits(nested.closest_hit(ray)), expected, "{name}: {ray:?}");
+                assert_eq!(nested.any_hit(ray), expected.is_some(), "{name}: any hit of {ray:?}");
+            }
+        }
+    }
+}
+
+fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
+    (0..count)
+        .map(|_| {
+            let p = random.in_cube();
+            [p, p + size * random.in_cube(), p + size * random.in_cube()]
+        })
+        .collect()
+}
+
+#[test]
+fn answers_as_brute_force_does() {
+    let mut random = Random::new(3);
+    for (count, size) in [(1, 1.0), (7, 0.5), (300, 0.3), (3000, 0.05), (2000, 0.6)] {
+        let triangles = soup(&mut random, count, size);
+        let targets: Vec<Vec3> = triangles.iter().flatten().copied().collect();
+        let shots = rays(&mut random, 2000, &targets);
+        check(&format!("{count} triangles of {size}"), &triangles, &shots);
+        let flat: Vec<Triangle> = triangles.iter().map(|t| t.map(|p| p * Vec3::new(1.0, 0.0, 1.0))).collect();
+        check(&format!("{count} flat triangles"), &flat, &shots);
+        let spheres: Vec<Sphere> =
+            targets.iter().take(count).map(|&centre| Sphere { centre, radius: random.unit() * size * 0.3 }).collect();
+        check(&format!("{count} spheres"), &spheres, &shots);
+        check(&format!("{count} of each"), &Mixed { triangles, spheres }, &shots);
+    }
+}
+
+#[test]
+fn large_and_small_at_once() {
+    let mut random = Random::new(5);
+    let mut triangles = soup(&mut random, 2000, 0.02);
+    triangles.extend(soup(&mut random, 20, 1.0).iter().map(|t| t.map(|p| p * 1e6)));
+    triangles.extend(soup(&mut random, 500, 0.02).iter().map(|t| t.map(|p| p * 10.0 + 1e4)));
+    let targets: Vec<Vec3> = triangles.iter().flatten().copied().collect();
+    let shots = rays(&mut random, 3000, &targets);
+    check("large and small", &triangles, &shots);
+}
+
+/// A ray and primitives in a part's coordinates, with a part that has them.
+fn entry(random: &mut Random, frame: &Frame) -> Option<(Ray, Entry)> {
+    let mut direction = random.in_cube();
+    if random.next().is_multiple_of(4) {
+        direction[random.next() as usize % 3] *= 1e-9;
+    }
+    let distance = [0.0, 3.0, 1e4][random.next() as usize % 3];
+    let ray = Ray::new(random.in_cube() * 0.9 - direction * distance, direction).intake()?;
+    match frame.enter(&ray, f64::INFINITY) {
+        Start::Inside(entry) => Some((ray, entry)),
+        _ => None,
+    }
+}
+
+/// What packs say, in portable code and by the processor's instructions, against the exact tests one by one.
+fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &Frame, packs: &[K]) -> [usize; 3] {
+    let mut seen = [0; 3];
+    for _ in 0..1500 {
+        let Some((ray, entry)) = entry(random, frame) else { continue };
+        for pack in packs {
+            let portable = PackRay::<Portable>::new(&entry);
+            let Seen { survivors, certain, s, bound } = pack.look(&portable, Portable::splat(entry.end));
+            let (certain, s, bound) = (Portable::bits(certain) & survivors, s.row(), bound.row());
+            #[cfg(target_arch = "x86_64")]
+            if let Isa::Avx2(present) = Isa::detect() {
+                assert_eq!(simd::avx2::look(present, pack, &entry), (survivors, certain, s, bound), "{ray:?}");
+            }
+            for (lane, &prim) in pack.prims().iter().enumerate().filter(|(_, prim)| **prim != NO_PRIM) {
+                let mut best = Best::NONE;
+                geometry.test(prim, &ray, &geometry.prepare(&ray), &mut best);
+                let bit = |mask: u32| mask >> lane & 1 != 0;
+                assert!(bit(survivors) || !best.is_hit(), "{ray:?} meets {prim}, which was rejected");
+                if bit(certain) && s.0[lane] - bound.0[lane] > entry.slack {
+                    assert!(best.is_hit(), "{ray:?} misses {prim}, which was certain");
+                    let from = entry.before(best.t()).max(s.0[lane] - bound.0[lane]);
+                    let to = entry.beyond(best.t()).min(s.0[lane] + bound.0[lane]);
+                    assert!(from <= to, "{ray:?}: {prim} at {}, not {} +- {}", best.t(), s.0[lane], bound.0[lane]);
+                    seen[2] += 1;
+                }
+                seen[0] += usize::from(best.is_hit());
+                seen[1] += usize::from(!bit(survivors));
+            }
+        }
+    }
+    seen
+}
+
+#[test]
+fn packs_reject_and_accept_only_what_is_certain() {
+    let mut random = Random::new(11);
+    for size in [1.0, 0.05, 1e-4] {
+        let triangles = soup(&mut random, 64, size);
+        let around = |bounds: &dyn Fn(u32) -> Aabb| (0..64).fold(Aabb::EMPTY, |all, i| all.union(&bounds(i)));
+        let frame = Frame::new(&around(&|i| triangles.bounds(i)));
+        let pack = |at: usize| {
+            let corners = |i: usize| triangles[i].map(|p| frame.local(p.as_dvec3()));
+            TrianglePack::new((at..(at + 8).min(61)).map(|i| (i as u32, corners(i))))
+        };
+        let packs: Vec<_> = (0..8).map(|i| pack(8 * i)).collect();
+        let [hits, rejected, certain] = check_packs(&mut random, &triangles, &frame, &packs);
+        assert!(
+            rejected > 50_000 && (size < 1.0 || (hits > 1000 && certain > 1000)),
+            "{size}: {hits} {rejected} {certain}"
+        );
+
+        let spheres: Vec<Sphere> =
+            triangles.iter().map(|t| Sphere { centre: t[0], radius: random.unit() * size * 0.5 }).collect();
+        let frame = Frame::new(&around(&|i| spheres.bounds(i)));
+        let pack = |at: usize| {
+            let ball =
+                |i: usize| (frame.local(spheres[i].centre.as_dvec3()), f64::from(spheres[i].radius) * frame.scale);
+            SpherePack::new((at..(at + 8).min(61)).map(|i| (i as u32, ball(i).0, ball(i).1)))
+        };
+        let packs: Vec<_> = (0..8).map(|i| pack(8 * i)).collect();
+        let [hits, rejected, certain] = check_packs(&mut random, &spheres, &frame, &packs);
+        assert!(
+            rejected > 50_000 && (size < 1.0 || (hits > 1000 && certain > 1000)),
+            "{size}: {hits} {rejected} {certain}"
+        );
+    }
+}
+
+#[test]
+fn instruction_sets_see_the_same_cells() {
+    #[cfg(target_arch = "x86_64")]
+    if let Isa::Avx2(present) = Isa::detect() {
+        let mut random = Random::new(12);
+        let mut in_all = 0;
+        for _ in 0..20_000 {
+            let mut axis = || {
+                let mut ends: Vec<f32> = (0..5).map(|_| (random.unit() * 16.0).floor()).collect();
+                ends.sort_by(f32::total_cmp);
+                Row([ends[0], ends[1], ends[2], ends[3], ends[1], ends[2], ends[3], ends[4]])
+            };
+            let axes = [axis(), axis(), axis()];
+            let cells = Portable::crossed(&axes);
+            assert_eq!(simd::avx2::crossed(present, &axes), cells, "{axes:?}");
+            let meet = |bit: usize| {
+                let at = [bit & 3, bit >> 2 & 3, bit >> 4];
+                let begin = (0..3).map(|a| axes[a].0[at[a]]).fold(f32::MIN, f32::max);
+                let end = (0..3).map(|a| axes[a].0[at[a] + 4]).fold(f32::MAX, f32::min);
+                begin <= end
+            };
+            assert!((0..64).all(|bit| meet(bit) == (cells >> bit & 1 != 0)), "{axes:?}");
+            in_all += cells.count_ones();
+        }
+        assert!(in_all > 20_000, "{in_all}");
+    }
+}
+
+#[test]
+fn primitives_are_in_all_cells_that_they_meet() {
+    let mut random = Random::new(13);
+    let (mut met, mut missed) = (0, 0);
+    for i in 0..4000 {
+        let size = [0.05, 0.5, 2.0][i % 3];
+        let corners = soup(&mut random, 1, size)[0].map(|p| (p * [1.0, 0.2][i % 2]).to_array());
+        let window = raster::Window { low: [-0.25, -0.2, -0.15], cell: [0.125, 0.1, 0.07] };
+        let cells = window.triangle::<Portable>(&corners);
+        let ball = window.sphere::<Portable>(&corners[0], size * 0.25);
+        // Points of the triangle and of the sphere must be in cells that are listed.
+        for _ in 0..60 {
+            let (mut u, mut v) = (random.unit(), random.unit());
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            let [a, b, c] = corners.map(Vec3::from);
+            let inside = a + (b - a) * u + (c - a) * v;
+            let around = a + random.in_cube().normalize_or(Vec3::X) * (size * 0.25);
+            for (cells, p) in [(cells, inside), (ball, around)] {
+                let at = [0, 1, 2].map(|i| ((p[i] - window.low[i]) / window.cell[i]).floor() as i32);
+                if at.iter().all(|i| (0..4).contains(i)) {
+                    assert!(cells >> (at[0] + 4 * at[1] + 16 * at[2]) & 1 != 0, "{corners:?}: {p} in {at:?}");
+                    met += 1;
+                }
+            }
+        }
+        missed += 64 - cells.count_ones();
+    }
+    assert!(met > 50_000 && missed > 50_000, "{met} points met, {missed} cells left out");
+}

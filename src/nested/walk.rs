@@ -1,0 +1,469 @@
+//! One ray through all parts: the grid on top, nodes below, packs at the leaves.
+
+use super::exact::{Exact, Known};
+use super::frame::{Entry, Start};
+use super::lanes::{Lanes, Portable, Row};
+use super::pack::{Pack, PackRay, Seen};
+use super::shape::{AnyPart, Node, Part, Shape, Slot, Top};
+use crate::accel::{Counts, Probe};
+use crate::geometry::NO_PRIM;
+use crate::ray::Ray;
+
+/// How the trace of a ray ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// The winner of the exact tests is the ray's.
+    Done,
+    /// There is a hit, and any will do.
+    Hit,
+    /// The ray starts too far away for a part's arithmetic: every primitive must be tested.
+    TooFar,
+}
+
+/// As [`trace`], in portable code, and adds the work done.
+pub(super) fn trace_counted(
+    shape: &Shape,
+    ray: &Ray,
+    any: bool,
+    exact: &mut dyn Exact,
+    counts: &mut Counts,
+) -> Outcome {
+    trace::<Portable, _>(shape, ray, any, exact, counts)
+}
+
+/// Nodes above one another at most: cells are not cut below [`super::build::LEAST_CELL`].
+const DEPTH: usize = 12;
+
+/// Sends `ray` through all parts; ends with the first hit if `any` will do. `ray` comes from [`Ray::intake`].
+#[inline(always)]
+pub(super) fn trace<S: Lanes, P: Probe>(
+    shape: &Shape,
+    ray: &Ray,
+    any: bool,
+    exact: &mut dyn Exact,
+    probe: &mut P,
+) -> Outcome {
+    let mut upper = f64::INFINITY;
+    for part in &shape.parts {
+        let frame = match part {
+            AnyPart::Triangles(part) => &part.frame,
+            AnyPart::Spheres(part) => &part.frame,
+            AnyPart::Lists(part) => &part.frame,
+        };
+        let entry = match frame.enter(ray, upper) {
+            Start::Miss => continue,
+            Start::TooFar => return Outcome::TooFar,
+            Start::Inside(entry) => entry,
+        };
+        let done = match part {
+            AnyPart::Triangles(part) => Trace::<S, _, _>::new(part, &entry, any, exact, probe).run(),
+            AnyPart::Spheres(part) => Trace::<S, _, _>::new(part, &entry, any, exact, probe).run(),
+            AnyPart::Lists(part) => Trace::<S, _, _>::new(part, &entry, any, exact, probe).run(),
+        };
+        if done {
+            return Outcome::Hit;
+        }
+        if shape.parts.len() > 1 {
+            upper = exact.upper();
+        }
+    }
+    Outcome::Done
+}
+
+/// A ray in a part.
+struct Trace<'a, S, K, P> {
+    part: &'a Part<K>,
+    entry: Entry,
+    any: bool,
+    exact: &'a mut dyn Exact,
+    probe: &'a mut P,
+    ray: PackRay<S>,
+    /// The part seen along the ray: signs are changed so that the ray moves forwards along every axis.
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    /// Changes the sign of the axes along which the ray moves backwards.
+    sign: [f32; 3],
+    /// Bit `a` is set if the ray moves backwards along axis `a`.
+    octant: usize,
+    /// At or beyond the winner, or the ray's end: beyond this nothing is of interest.
+    end: f32,
+    /// At or before the winner and the ray's end.
+    sure: f32,
+    /// The winner if it has not been tested exactly, else [`NO_PRIM`].
+    pending: u32,
+    /// True if there is a winner that has been, or one that need not be.
+    found: bool,
+}
+
+/// Whether a ray goes on.
+#[derive(PartialEq)]
+enum Next {
+    /// To the next cell.
+    Cell,
+    /// To the next part: the winner of this one is certain.
+    Part,
+    /// Nowhere: any hit will do, and there is one.
+    Nothing,
+}
+
+/// A cell of the grid on top, and where the ray leaves it. A plane is crossed at its number times the pace less the base.
+struct Place {
+    cell: isize,
+    /// Where the ray crosses the next plane of each axis.
+    crossing: [f32; 3],
+    /// Numbers of these planes.
+    plane: [f32; 3],
+    pace: [f32; 3],
+    base: [f32; 3],
+    /// From cell to cell along each axis.
+    stride: [isize; 3],
+    /// Steps that stay within the grid.
+    left: [i32; 3],
+}
+
+impl Place {
+    #[inline(always)]
+    fn new(top: &Top, origin: &[f32; 3], inverse: &[f32; 3], octant: usize) -> Self {
+        let mut place = Place {
+            cell: 0,
+            crossing: [0.0; 3],
+            plane: [0.0; 3],
+            pace: [0.0; 3],
+            base: [0.0; 3],
+            stride: [0; 3],
+            left: [0; 3],
+        };
+        let mut step = 1;
+        for a in 0..3 {
+            let from = top.half[a] + origin[a];
+            place.base[a] = from * inverse[a];
+            place.pace[a] = top.cell[a] * inverse[a];
+            let last = top.cells[a] as i32 - 1;
+            // Saturates; the origin is in the grid but for rounding.
+            let at = ((from * top.per_unit[a]) as i32).clamp(0, last);
+            place.left[a] = last - at;
+            place.plane[a] = (at + 1) as f32;
+            place.crossing[a] = place.plane[a] * place.pace[a] - place.base[a];
+            let backward = octant >> a & 1 != 0;
+            place.stride[a] = if backward { -step } else { step };
+            place.cell += (if backward { last - at } else { at }) as isize * step;
+            step *= top.cells[a] as isize;
+        }
+        place
+    }
+
+    /// To the next cell along an axis, and `s` to where it begins; false outside the grid.
+    #[inline(always)]
+    fn step<const A: usize>(&mut self, s: &mut f32) -> bool {
+        *s = self.crossing[A];
+        self.left[A] -= 1;
+        self.plane[A] += 1.0;
+        self.cell += self.stride[A];
+        self.crossing[A] = self.plane[A] * self.pace[A] - self.base[A];
+        self.left[A] >= 0
+    }
+
+    /// To where the ray leaves the empty cube of `edge` cells that begins with this one; false outside the grid or beyond
+    /// `end`.
+    #[inline(always)]
+    fn leap(&mut self, edge: f32, end: f32, s: &mut f32) -> bool {
+        let mut exits = [0.0; 3];
+        for a in 0..3 {
+            exits[a] = self.crossing[a] + (edge - 1.0) * self.pace[a];
+        }
+        let exit = least(exits[0], least(exits[1], exits[2]));
+        *s = exit;
+        let mut outside = 0;
+        for a in 0..3 {
+            // Planes crossed on the way; all of the cube's along the axis of the exit, and at most one less along another.
+            let beyond = (exit - self.crossing[a]) / self.pace[a];
+            let within = if beyond < 0.0 { 0.0 } else { least((beyond as i32 + 1) as f32, edge - 1.0) };
+            let crossed = if exits[a] == exit { edge } else { within };
+            self.plane[a] += crossed;
+            self.left[a] -= crossed as i32;
+            outside |= self.left[a];
+            self.cell += crossed as isize * self.stride[a];
+            self.crossing[a] = self.plane[a] * self.pace[a] - self.base[a];
+        }
+        outside >= 0 && exit <= end
+    }
+}
+
+impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
+    #[inline(always)]
+    fn new(part: &'a Part<K>, entry: &Entry, any: bool, exact: &'a mut dyn Exact, probe: &'a mut P) -> Self {
+        let (d, sign) = (entry.direction, entry.sign);
+        let mut origin = [0.0; 3];
+        for a in 0..3 {
+            origin[a] = entry.origin[a] * sign[a];
+        }
+        Self {
+            part,
+            entry: *entry,
+            any,
+            exact,
+            probe,
+            ray: PackRay::new(entry),
+            origin,
+            inverse: entry.inverse,
+            sign,
+            octant: usize::from(d[0] < 0.0) | usize::from(d[1] < 0.0) << 1 | usize::from(d[2] < 0.0) << 2,
+            end: entry.end,
+            sure: entry.end - 2.0 * entry.slack,
+            pending: NO_PRIM,
+            found: false,
+        }
+    }
+
+    /// Through the part; true if any hit will do and there is one.
+    #[inline(always)]
+    fn run(mut self) -> bool {
+        self.cells();
+        self.settle();
+        self.any && self.found
+    }
+
+    /// From cell to cell of the grid.
+    #[inline(always)]
+    fn cells(&mut self) {
+        let top = &self.part.top;
+        if let [slot] = top.slots[..] {
+            self.look(slot, 0.0, self.end);
+            return;
+        }
+        let count = top.slots.len();
+        let free = &top.free[self.octant * count..][..count];
+        let mut at = Place::new(top, &self.origin, &self.inverse, self.octant);
+        let mut s = 0.0;
+        loop {
+            self.probe.step();
+            let [x, y, z] = at.crossing;
+            let distance = free[at.cell as usize];
+            if distance == 0 {
+                let out = least(x, least(y, z));
+                if self.look(top.slots[at.cell as usize], s, out) != Next::Cell {
+                    return;
+                }
+            } else if distance > 2 {
+                self.probe.leap();
+                if !at.leap(f32::from(distance), self.end, &mut s) {
+                    return;
+                }
+                continue;
+            }
+            // One branch for each axis: which of them it is tells the predictor where the ray is going.
+            let inside = if x < y {
+                if x < z { at.step::<0>(&mut s) } else { at.step::<2>(&mut s) }
+            } else if y < z {
+                at.step::<1>(&mut s)
+            } else {
+                at.step::<2>(&mut s)
+            };
+            if !inside || s > self.end {
+                return;
+            }
+        }
+    }
+
+    /// What a cell of the grid holds, which the ray crosses from `near` to `far`.
+    #[inline(always)]
+    fn look(&mut self, slot: Slot, near: f32, far: f32) -> Next {
+        if slot.is_node() { self.descend(slot, near, far) } else { self.test(slot, far) }
+    }
+
+    /// The packs of a cell that the ray leaves at `far`.
+    #[inline(always)]
+    fn test(&mut self, slot: Slot, far: f32) -> Next {
+        for pack in &self.part.packs[slot.first as usize..][..slot.count as usize] {
+            self.probe.leaf();
+            let seen = pack.look::<S>(&self.ray, S::splat(self.end));
+            if seen.survivors != 0 && self.meet(pack, &seen) {
+                return Next::Nothing;
+            }
+        }
+        if self.end < far { Next::Part } else { Next::Cell }
+    }
+
+    /// What survives of a pack; true if that is all the ray wants.
+    #[inline(always)]
+    fn meet(&mut self, pack: &K, seen: &Seen<S>) -> bool {
+        let (from, to) = (seen.s - seen.bound, seen.s + seen.bound);
+        let in_range = to.less(S::splat(self.sure)) & self.ray.begin.less(from);
+        let certain = if K::CERTAIN { S::bits(seen.certain & in_range) } else { 0 };
+        if self.any && certain != 0 {
+            self.found = true;
+            return true;
+        }
+        let (Row(from), Row(to)) = (from.row(), to.row());
+        let mut survivors = seen.survivors;
+        while survivors != 0 {
+            let lane = survivors.trailing_zeros() as usize & 7;
+            survivors &= survivors - 1;
+            let prim = pack.prims()[lane];
+            if K::CERTAIN && certain >> lane & 1 != 0 {
+                if to[lane] < self.sure {
+                    // Before all that was met so far: the winner, whose exact parameter can wait.
+                    (self.pending, self.end, self.sure) = (prim, to[lane], from[lane]);
+                    continue;
+                }
+                if from[lane] > self.end {
+                    continue;
+                }
+            }
+            self.settle();
+            self.exactly(prim);
+            if self.any && self.found {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Tests the winner that waits, if one does.
+    #[inline(always)]
+    fn settle(&mut self) {
+        let pending = std::mem::replace(&mut self.pending, NO_PRIM);
+        if pending != NO_PRIM {
+            self.probe.test();
+            let known = self.exact.settle(pending);
+            self.know(known);
+        }
+    }
+
+    /// Tests a primitive exactly.
+    #[inline(always)]
+    fn exactly(&mut self, prim: u32) {
+        self.probe.test();
+        let known = self.exact.test(prim);
+        self.know(known);
+    }
+
+    /// Lowers the end to the winner.
+    #[inline(always)]
+    fn know(&mut self, known: Option<Known>) {
+        if let Some(Known { lower, upper }) = known {
+            self.found = true;
+            self.end = least(self.end, self.entry.beyond(upper));
+            self.sure = least(self.sure, self.entry.before(lower));
+        }
+    }
+
+    /// The nodes below a cell, front to back.
+    #[inline(always)]
+    fn descend(&mut self, slot: Slot, mut near: f32, mut far: f32) -> Next {
+        /// A node with cells that are still to come.
+        #[derive(Clone, Copy, Default)]
+        struct Waiting {
+            cells: u64,
+            index: u32,
+            near: f32,
+            far: f32,
+        }
+        let mut stack = [Waiting::default(); DEPTH];
+        let mut waiting = 0;
+        let mut index = slot.first;
+        let mut part_of_node = u64::MAX;
+        loop {
+            self.probe.step();
+            let node = &self.part.nodes[index as usize];
+            let axes = self.crossings(node, near, far);
+            let mut cells = S::crossed(&axes) & mirrored(node.mask, self.octant) & part_of_node;
+            // Turns the coordinates round of the axes along which the ray moves backwards.
+            let flip = FLIPS[self.octant & 7];
+            let deeper = loop {
+                if cells == 0 {
+                    break None;
+                }
+                let cell = cells.trailing_zeros() as usize;
+                cells &= cells - 1;
+                let (x, y, z) = (cell & 3, cell >> 2 & 3, cell >> 4 & 3);
+                let from = most(axes[0].0[x], most(axes[1].0[y], axes[2].0[z]));
+                if from > self.end {
+                    return Next::Part;
+                }
+                let to = least(axes[0].0[x + 4], least(axes[1].0[y + 4], axes[2].0[z + 4]));
+                let below = node.mask & ((1 << (cell ^ flip)) - 1);
+                let slot = self.part.slots[node.base as usize + below.count_ones() as usize];
+                if slot.is_node() {
+                    break Some((slot.first, from, to));
+                }
+                match self.test(slot, to) {
+                    Next::Cell => {}
+                    next => return next,
+                }
+            };
+            match deeper {
+                Some((child, from, to)) => {
+                    if cells != 0 {
+                        stack[waiting % DEPTH] = Waiting { cells, index, near, far };
+                        waiting += 1;
+                    }
+                    (index, near, far, part_of_node) = (child, from, to, u64::MAX);
+                }
+                None if waiting == 0 => return Next::Cell,
+                None => {
+                    waiting -= 1;
+                    let Waiting { cells, index: node, near: from, far: to } = stack[waiting % DEPTH];
+                    (index, near, far, part_of_node) = (node, from, to, cells);
+                }
+            }
+        }
+    }
+
+    /// Where the ray, which is in the node from `near` to `far`, is in each slice of it: for each axis four begins, then four
+    /// ends. The outermost slices have no outer planes: what is there of the ray is in the node.
+    #[inline(always)]
+    fn crossings(&self, node: &Node, near: f32, far: f32) -> [Row; 3] {
+        const BEYOND: f32 = 1e9;
+        const PLANES: Row = Row([-BEYOND, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, BEYOND]);
+        let planes = S::of(&PLANES);
+        let x = self.crossings_of(node, planes, 0);
+        let y = self.crossings_of(node, planes, 1);
+        // Clipping one axis clips the cells.
+        let ends = S::halves(f32::INFINITY, far);
+        let begins = S::halves(near, f32::NEG_INFINITY);
+        let z = self.crossings_of(node, planes, 2).max(begins).min(ends);
+        [x.row(), y.row(), z.row()]
+    }
+
+    /// Where the ray crosses planes of an axis, given in cells from the node's centre.
+    #[inline(always)]
+    fn crossings_of(&self, node: &Node, planes: S, axis: usize) -> S {
+        let at = S::splat(node.centre[axis] * self.sign[axis]) + planes * S::splat(node.cell[axis]);
+        (at - S::splat(self.origin[axis])) * S::splat(self.inverse[axis])
+    }
+}
+
+/// For each octant the bits of a cell's number that differ when the node is seen along it.
+const FLIPS: [usize; 8] = [0, 3, 12, 15, 48, 51, 60, 63];
+
+/// The cells of a node seen along an octant of directions: bit `i` becomes bit `i` with the coordinates turned round of the
+/// axes along which rays move backwards.
+#[inline(always)]
+fn mirrored(mut mask: u64, octant: usize) -> u64 {
+    if octant & 1 != 0 {
+        mask = (mask >> 1 & 0x5555_5555_5555_5555) | (mask & 0x5555_5555_5555_5555) << 1;
+        mask = (mask >> 2 & 0x3333_3333_3333_3333) | (mask & 0x3333_3333_3333_3333) << 2;
+    }
+    if octant & 2 != 0 {
+        mask = (mask >> 4 & 0x0f0f_0f0f_0f0f_0f0f) | (mask & 0x0f0f_0f0f_0f0f_0f0f) << 4;
+        mask = (mask >> 8 & 0x00ff_00ff_00ff_00ff) | (mask & 0x00ff_00ff_00ff_00ff) << 8;
+    }
+    if octant & 4 != 0 {
+        mask = (mask >> 16 & 0x0000_ffff_0000_ffff) | (mask & 0x0000_ffff_0000_ffff) << 16;
+        mask = mask.rotate_left(32);
+    }
+    mask
+}
+
+/// The lesser one, neither a NaN: one instruction.
+#[inline(always)]
+fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The greater one.
+#[inline(always)]
+fn most(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
