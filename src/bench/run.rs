@@ -4,7 +4,8 @@ use super::catalogue::{BenchScene, Source};
 use super::study::{KINDS, SceneResult, Study};
 use crate::error::{Error, Result};
 use crate::measure::{Built, Machine, RayKind, RayOptions, contest, ray_sets};
-use crate::scene::{LoadOptions, Scene, load};
+use crate::ray::Aabb;
+use crate::scene::{Camera, CameraSource, LoadOptions, Scene, load};
 use crate::stress::Contender;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -115,6 +116,7 @@ fn measure(
         let (accel, cause) = refused.first().map_or(("", ""), |(accel, cause)| (accel, cause));
         return Ok(Err(format!("no accelerator can be built, {accel}: {cause}")));
     };
+    approach(&mut loaded.camera, &first.accel.bounds());
     // The largest square, so that neighbours are as alike as in a picture.
     let side = options.rays.isqrt().max(1);
     let film = RayOptions { width: side, height: side, seed: options.seed, max_rays: options.rays as usize };
@@ -122,6 +124,15 @@ fn measure(
     sets.retain(|set| kinds.contains(&set.kind));
     let comparison = contest(&loaded, &built, &sets, options.rounds, report)?;
     Ok(Ok(SceneResult { name: scene.name.clone(), class: scene.class, spec, comparison, refused }))
+}
+
+/// Brings a framed camera so near that most of its rays meet something: at most 0.8 of the diagonal of `bounds` away from their
+/// middle, which it looks at; so it stays outside.
+fn approach(camera: &mut Camera, bounds: &Aabb) {
+    let (away, most) = (camera.origin - camera.target, 0.8 * f64::from(bounds.extent().length()));
+    if camera.source == CameraSource::Framed && away.length() > most && most > 0.0 {
+        camera.origin = camera.target + most * away.normalize();
+    }
 }
 
 /// Those that can be built, and why the others cannot.

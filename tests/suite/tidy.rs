@@ -33,7 +33,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "scene", "stress",
         ],
     ),
-    ("bench", &["error", "measure", "papers", "registry", "scene", "stress"]),
+    ("bench", &["error", "measure", "papers", "ray", "registry", "scene", "stress"]),
     (
         "cli",
         &[
