@@ -106,7 +106,7 @@ fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, pr
 
     let most_work = 1_000_000 + 64 * count;
     // Far above what any ray should take, brute force included, yet all accelerators come to an end.
-    let patience = Duration::from_secs(10) + Duration::from_micros((2500 + count) * rays);
+    let patience = Duration::from_secs(120) + Duration::from_micros((2500 + count) * rays);
     let step = (MOST_TIES / count.max(1)).clamp(16, CHUNK);
     for from in (0..rays).step_by(step as usize) {
         let chunk: Vec<Ray> = (from..rays.min(from + step)).map(|i| stage.ray(i)).collect();
