@@ -1,6 +1,6 @@
 //! From the world to the tree's coordinates, and the ray as the walks see it.
 
-use crate::geometry::expansion::two_sum;
+use crate::accel::nearer;
 use crate::ray::{Aabb, Ray, greater, lesser};
 use glam::DVec3;
 
@@ -108,7 +108,8 @@ impl Line {
         let mut moved = 0.0;
         if too_far(origin) {
             let axis;
-            (origin, moved, axis) = nearer(frame, ray, origin);
+            (origin, moved, axis) = nearer(ray, frame.lo + 0.5 * frame.filled / frame.inverse, frame.lo);
+            origin *= frame.inverse;
             // Beside the box while it is level with it: along no other axis does it move faster.
             let level = origin[axis].abs() <= 4.0 * SIZE;
             if level && origin.abs().max_element() > 16.0 * SIZE {
@@ -154,27 +155,6 @@ impl Line {
         // `as` saturates at 0; never falls as `t` moves on, for rounding keeps the order.
         ((self.origin[axis] + t * self.direction[axis]) as u32).clamp(low, high)
     }
-}
-
-/// The origin of a ray that starts far away, moved to where it is about level with the scene's middle along its fastest axis;
-/// by which parameter, and which axis that is.
-///
-/// The parameter has 29 bits and a direction's component 24, so that their product is exact; the sum with the origin is kept
-/// with its error until the box's corner is subtracted. So the new origin is off by no more than one that had been there
-/// from the start. The parameter is known within 2^-28 of itself: the 2^-28th part of the distance may remain.
-#[cold]
-fn nearer(frame: &Frame, ray: &Ray, origin: DVec3) -> (DVec3, f64, usize) {
-    let direction = ray.direction.as_dvec3();
-    let middle = 0.5 * frame.filled - origin;
-    let pace = direction * frame.inverse;
-    let axis = (0..3).max_by(|&a, &b| pace[a].abs().total_cmp(&pace[b].abs())).unwrap_or(0);
-    let t = f64::from_bits((middle[axis] / pace[axis]).to_bits() & !((1 << 24) - 1));
-    let mut local = DVec3::ZERO;
-    for i in 0..3 {
-        let (sum, error) = two_sum(f64::from(ray.origin[i]), t * direction[i]);
-        local[i] = ((sum - frame.lo[i]) + error) * frame.inverse;
-    }
-    (local, t, axis)
 }
 
 #[cfg(test)]

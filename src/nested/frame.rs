@@ -11,7 +11,7 @@
 //! [`FAR`] boxes away), and each component of the direction by `e / 2` (its rounding, and [`LEAST`] in the place of smaller
 //! ones). So a point at `s` is off by less than `1.1 e + 2 e < 4 e` along each axis.
 
-use crate::geometry::expansion::two_sum;
+use crate::accel::nearer;
 use crate::ray::{Aabb, Ray, greater, lesser};
 use glam::DVec3;
 
@@ -178,7 +178,8 @@ impl Frame {
         if origin.abs().max_element() <= FAR {
             return self.enter_moved(origin, ray, 0.0, upper);
         }
-        let (origin, moved, axis) = self.nearer(ray);
+        let (origin, moved, axis) = nearer(ray, self.centre, self.centre);
+        let origin = origin * self.scale;
         let size = origin.abs().max_element();
         if origin[axis].abs() > 4.0 && size > FAR {
             return Start::TooFar;
@@ -217,24 +218,6 @@ impl Frame {
         } else {
             Start::Miss
         }
-    }
-
-    /// The origin of a ray that starts far away, moved to where it is about level with the middle along its fastest axis; by
-    /// which parameter, and which axis that is.
-    ///
-    /// The parameter has 29 bits and a direction's component 24, so that their product is exact; the sum with the origin is
-    /// kept with its error until the centre is subtracted. The 2^-28th part of the distance may remain.
-    fn nearer(&self, ray: &Ray) -> (DVec3, f64, usize) {
-        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        let speed = direction.abs();
-        let axis = (0..3).max_by(|&a, &b| speed[a].total_cmp(&speed[b])).unwrap_or(0);
-        let t = f64::from_bits(((self.centre[axis] - origin[axis]) / direction[axis]).to_bits() & !((1 << 24) - 1));
-        let mut local = DVec3::ZERO;
-        for i in 0..3 {
-            let (sum, error) = two_sum(origin[i], t * direction[i]);
-            local[i] = ((sum - self.centre[i]) + error) * self.scale;
-        }
-        (local, t, axis)
     }
 }
 
