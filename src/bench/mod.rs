@@ -13,7 +13,7 @@ pub use catalogue::{BenchScene, Class, Source, View, select};
 pub use contenders::usual;
 pub use figures::{Figure, figures};
 pub use plot::bars;
-pub use run::{Options, run};
+pub use run::{Options, UNSUITED, run};
 pub use study::{KINDS, Mean, SceneResult, Study, geomean};
 
 /// What others are held against unless told otherwise, the fastest of their kind first.

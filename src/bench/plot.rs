@@ -6,7 +6,7 @@ use crate::papers::plot::{Bars, Group, Plot};
 
 /// Rays a second of every accelerator: means of each class, then each scene; one column for each kind of rays.
 pub fn bars(study: &Study) -> Plot {
-    let kinds: Vec<usize> = (0..KINDS.len()).filter(|&k| study.kinds.contains(&KINDS[k])).collect();
+    let kinds: Vec<usize> = (0..KINDS.len()).filter(|&k| study.options.kinds.contains(&KINDS[k])).collect();
     let accels = study.accels();
     let means = study.means();
     let mut groups = Vec::new();
@@ -29,7 +29,10 @@ pub fn bars(study: &Study) -> Plot {
     }
     Plot::Bars(Bars {
         title: "Million rays a second of processor time, one thread".to_string(),
-        subtitle: format!("{}; medians of {} interleaved rounds; longer is faster", study.machine, study.rounds),
+        subtitle: format!(
+            "{}; medians of {} interleaved rounds; longer is faster",
+            study.machine, study.options.rounds
+        ),
         columns: kinds.iter().map(|&k| format!("{} rays", KINDS[k].name())).collect(),
         groups,
     })

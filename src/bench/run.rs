@@ -53,18 +53,10 @@ pub fn run(
         return Err(Error::invalid(format!("nothing to measure: {accels} accelerators, {rounds} rounds, {rays} rays")));
     }
     let runs = |anchor: &&String| contenders.iter().any(|contender| contender.name == **anchor);
-    let mut study = Study {
-        machine: Machine::this(),
-        rounds: options.rounds,
-        rays: options.rays,
-        seed: options.seed,
-        spp: options.spp.clone(),
-        anchors: options.anchors.iter().filter(runs).cloned().collect(),
-        kinds,
-        scenes: Vec::new(),
-        left_out: Vec::new(),
-        interrupted: false,
-    };
+    let anchors = options.anchors.iter().filter(runs).cloned().collect();
+    let options = Options { kinds, anchors, ..options.clone() };
+    let mut study =
+        Study { machine: Machine::this(), options, scenes: Vec::new(), left_out: Vec::new(), interrupted: false };
     for (i, scene) in scenes.iter().enumerate() {
         if stop.load(Ordering::SeqCst) {
             study.interrupted = true;
@@ -72,9 +64,9 @@ pub fn run(
         }
         let report = |stage: &str| progress(i, &format!("{}: {stage}", scene.name));
         report("loading");
-        match obstacle(scene, options) {
+        match obstacle(scene, &study.options) {
             Some(reason) => study.left_out.push((scene.name.clone(), reason)),
-            None => match measure(scene, contenders, options, &study.kinds, &report)? {
+            None => match measure(scene, contenders, &study.options, &report)? {
                 Ok(result) => study.scenes.push(result),
                 Err(reason) => study.left_out.push((scene.name.clone(), reason)),
             },
@@ -85,16 +77,13 @@ pub fn run(
 
 /// Why a scene is left out, if so.
 fn obstacle(scene: &BenchScene, options: &Options) -> Option<String> {
-    let path = options.shared.join(match scene.source {
-        Source::File(path) => path,
-        _ => "",
-    });
     if scene.primitives > options.most_primitives && !scene.named {
         let (has, most) = (scene.primitives, options.most_primitives);
         return Some(format!("{has} primitives, at most {most} are measured unless the scene is named"));
     }
-    let lost = matches!(scene.source, Source::File(_)) && !path.is_file();
-    lost.then(|| format!("no file {}", path.display()))
+    let Source::File(path) = scene.source else { return None };
+    let path = options.shared.join(path);
+    (!path.is_file()).then(|| format!("no file {}", path.display()))
 }
 
 /// One scene; the inner error says why nothing could be measured.
@@ -102,7 +91,6 @@ fn measure(
     scene: &BenchScene,
     contenders: &[Contender],
     options: &Options,
-    kinds: &[RayKind],
     report: &dyn Fn(&str),
 ) -> Result<std::result::Result<SceneResult, String>> {
     let spec = scene.spec(&options.shared);
@@ -121,7 +109,7 @@ fn measure(
     let side = options.rays.isqrt().max(1);
     let film = RayOptions { width: side, height: side, seed: options.seed, max_rays: options.rays as usize };
     let mut sets = ray_sets(&loaded, &*first.accel, &film)?;
-    sets.retain(|set| kinds.contains(&set.kind));
+    sets.retain(|set| options.kinds.contains(&set.kind));
     let comparison = contest(&loaded, &built, &sets, options.rounds, report)?;
     Ok(Ok(SceneResult { name: scene.name.clone(), class: scene.class, spec, comparison, refused }))
 }
@@ -135,16 +123,21 @@ fn approach(camera: &mut Camera, bounds: &Aabb) {
     }
 }
 
+/// Why an accelerator is not built that takes other primitives only.
+pub const UNSUITED: &str = "not for such primitives";
+
 /// Those that can be built, and why the others cannot.
 fn build(scene: &Scene, contenders: &[Contender], report: &dyn Fn(&str)) -> (Vec<Built>, Vec<(String, String)>) {
     let (mut built, mut refused) = (Vec::new(), Vec::new());
     for contender in contenders {
         if !contender.suits(&scene.geometry) {
-            refused.push((contender.name.clone(), "not for such primitives".to_string()));
+            refused.push((contender.name.clone(), UNSUITED.to_string()));
             continue;
         }
         report(&format!("building {}", contender.name));
-        match Built::new(&contender.name, contender.exact, || contender.build(&scene.geometry, None)) {
+        let make = || contender.build(&scene.geometry, None);
+        let made = contender.admit(&scene.geometry).and_then(|()| Built::new(&contender.name, contender.exact, make));
+        match made {
             Ok(b) => built.push(b),
             Err(error) => refused.push((contender.name.clone(), error.to_string())),
         }

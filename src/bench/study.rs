@@ -1,6 +1,7 @@
 //! What a benchmark gave, and what follows from it: images, ratios, means.
 
 use super::catalogue::Class;
+use super::run::Options;
 use crate::measure::{Comparison, Machine, Rate, RayKind};
 
 /// The kinds of rays, in the order of all tables: from the eye, towards a light (any hit), in all directions.
@@ -14,18 +15,8 @@ pub const IMAGE: u32 = 512;
 pub struct Study {
     /// What it was measured on.
     pub machine: Machine,
-    /// Timed rounds.
-    pub rounds: u32,
-    /// Most rays of a kind.
-    pub rays: u32,
-    /// Seed of the rays.
-    pub seed: u64,
-    /// Samples a pixel of the images whose times are computed.
-    pub spp: Vec<u32>,
-    /// Kinds of rays, of [`KINDS`].
-    pub kinds: Vec<RayKind>,
-    /// What others are held against, in the order of the columns.
-    pub anchors: Vec<String>,
+    /// How: with the kinds of rays that were traced, and of the anchors those that ran, in the order of the columns.
+    pub options: Options,
     /// One for each scene that was measured.
     pub scenes: Vec<SceneResult>,
     /// Scenes that were not, with reasons.
@@ -107,7 +98,7 @@ pub struct Mean {
     pub scenes: usize,
     /// Rays a second, by [`KINDS`]; NaN where nothing was measured.
     pub speed: [f64; 3],
-    /// Speed over that of each of [`Study::anchors`] on the scenes that both were measured on, by [`KINDS`].
+    /// Speed over that of each of [`Options::anchors`] on the scenes that both were measured on, by [`KINDS`].
     pub ratios: Vec<[f64; 3]>,
     /// Processor time of the build, nanoseconds a primitive.
     pub build_ns: f64,
@@ -152,7 +143,7 @@ impl Study {
                     class,
                     scenes: rows.len(),
                     speed: KINDS.map(|kind| mean(&|s, r| s.speed(r, kind))),
-                    ratios: (self.anchors.iter())
+                    ratios: (self.options.anchors.iter())
                         .map(|anchor| KINDS.map(|kind| mean(&|s, r| s.ratio(r, anchor, kind))))
                         .collect(),
                     build_ns: mean(&|s, r| s.build_ns(r)),
@@ -231,10 +222,17 @@ mod tests {
         assert!(one.ratio(0, "c", RayKind::Camera).is_nan());
 
         let scenes = vec![one, scene("two", 4.0)];
-        let (left_out, anchors) = (Vec::new(), vec!["b".to_string(), "c".to_string()]);
-        let (machine, kinds, spp) = (Machine::this(), KINDS.to_vec(), vec![1]);
-        let study =
-            Study { machine, rounds: 1, rays: 1, seed: 0, spp, kinds, anchors, scenes, left_out, interrupted: false };
+        let options = Options {
+            rounds: 1,
+            rays: 1,
+            seed: 0,
+            spp: vec![1],
+            kinds: KINDS.to_vec(),
+            anchors: vec!["b".to_string(), "c".to_string()],
+            most_primitives: u32::MAX,
+            shared: Default::default(),
+        };
+        let study = Study { machine: Machine::this(), options, scenes, left_out: Vec::new(), interrupted: false };
         let means = study.means();
         assert_eq!(means.iter().map(|m| (m.accel.as_str(), m.scenes)).collect::<Vec<_>>(), [("a", 2), ("b", 2)]);
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;

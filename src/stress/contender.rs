@@ -18,6 +18,8 @@ pub struct Contender {
     /// True if it promises exact answers.
     pub exact: bool,
     entry: Option<&'static Entry>,
+    /// True for trees that obvhs builds over whatever it is given.
+    keeps_copies: bool,
     build: Build,
 }
 
@@ -29,16 +31,12 @@ impl Contender {
         // Landings as printed are kept for study: they are known to be wrong.
         let exact = entry.is_none_or(|entry| entry.exact) && !spec.contains("landing=paper");
         let own = spec.to_string();
-        let build = move |geometry: &SceneGeometry, resolution: Option<&str>| {
-            if own.starts_with("obvhs-native") {
-                refuse_copies(geometry)?;
-            }
-            match resolution {
-                Some(resolution) => geometry.accel(&with_default(&own, "resolution", resolution)),
-                None => geometry.accel(&own),
-            }
+        let build = move |geometry: &SceneGeometry, resolution: Option<&str>| match resolution {
+            Some(resolution) => geometry.accel(&with_default(&own, "resolution", resolution)),
+            None => geometry.accel(&own),
         };
-        Self { name: spec.to_string(), exact, entry, build: Box::new(build) }
+        let keeps_copies = name.starts_with("obvhs-native");
+        Self { name: spec.to_string(), exact, entry, keeps_copies, build: Box::new(build) }
     }
 
     /// Something else that `build` makes, such as an accelerator that is known to be wrong.
@@ -47,7 +45,8 @@ impl Contender {
         exact: bool,
         build: impl Fn(&SceneGeometry) -> Result<Box<dyn Accel>> + Send + Sync + 'static,
     ) -> Self {
-        Self { name: name.to_string(), exact, entry: None, build: Box::new(move |geometry, _| build(geometry)) }
+        let build: Build = Box::new(move |geometry, _| build(geometry));
+        Self { name: name.to_string(), exact, entry: None, keeps_copies: false, build }
     }
 
     /// True if it can be built over such primitives.
@@ -55,19 +54,21 @@ impl Contender {
         self.entry.is_none_or(|entry| with_geometry!(*geometry, g => entry.suits(g)))
     }
 
+    /// An error where obvhs' builder, which compares boxes that are alike with each other, would take minutes. Asked before
+    /// [`Contender::build`], so that this is not part of what a build costs.
+    pub(crate) fn admit(&self, geometry: &SceneGeometry) -> Result<()> {
+        const MOST: u32 = 10_000;
+        let copies =
+            if self.keeps_copies { with_geometry!(*geometry, g => Candidates::of(g).left_out.copies) } else { 0 };
+        if copies > MOST {
+            return Err(Error::invalid(format!("left out: obvhs takes minutes to build over {copies} copies")));
+        }
+        Ok(())
+    }
+
     pub(crate) fn build(&self, geometry: &SceneGeometry, resolution: Option<&str>) -> Result<Box<dyn Accel>> {
         (self.build)(geometry, resolution)
     }
-}
-
-/// An error where obvhs' builder, which compares boxes that are alike with each other, would take minutes.
-fn refuse_copies(geometry: &SceneGeometry) -> Result<()> {
-    const MOST: u32 = 10_000;
-    let copies = with_geometry!(*geometry, g => Candidates::of(g).left_out.copies);
-    if copies > MOST {
-        return Err(Error::invalid(format!("left out: obvhs takes minutes to build over {copies} copies")));
-    }
-    Ok(())
 }
 
 /// The accelerators that `specs` name. `all` stands for every variant and the peers; nothing for every walk and the peers.
@@ -75,20 +76,21 @@ fn refuse_copies(geometry: &SceneGeometry) -> Result<()> {
 /// # Errors
 /// An accelerator or an option is unknown.
 pub fn contenders(specs: &[String]) -> Result<Vec<Contender>> {
-    let mut names = Vec::new();
-    for spec in specs {
-        match spec.as_str() {
-            "all" => names.extend(variants(true).into_iter().chain(peers())),
-            _ => {
-                check(spec)?;
-                names.push(spec.clone());
-            }
-        }
-    }
-    if specs.is_empty() {
-        names.extend(walks(true).into_iter().chain(peers()));
-    }
+    specs.iter().filter(|spec| *spec != ALL).try_for_each(|spec| check(spec))?;
+    let names = if specs.is_empty() { walks(true).into_iter().chain(peers()).collect() } else { spelled_out(specs) };
     Ok(names.iter().map(|name| Contender::of_spec(name)).collect())
+}
+
+/// Stands for every variant and the peers.
+const ALL: &str = "all";
+
+/// `specs` with what `all` stands for in its place.
+pub fn spelled_out(specs: &[String]) -> Vec<String> {
+    let of = |spec: &String| match spec.as_str() {
+        ALL => variants(true).into_iter().chain(peers()).collect(),
+        _ => vec![spec.clone()],
+    };
+    specs.iter().flat_map(of).collect()
 }
 
 /// # Errors

@@ -13,7 +13,7 @@ mod run;
 mod time;
 pub mod walks;
 
-pub use contender::{Contender, contenders};
+pub use contender::{Contender, contenders, spelled_out};
 pub use html::page;
 pub use judge::{Fault, Tally};
 pub use report::{CaseResult, Outcome, Row, Study, Verdict, WalkResult};

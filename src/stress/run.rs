@@ -90,7 +90,10 @@ fn run_case(case: &'static Case, contenders: &[Contender], options: &Options, pr
     let mut running: Vec<(usize, Running)> = Vec::new();
     for contender in contenders.iter().filter(|contender| contender.suits(&stage.geometry)) {
         progress(&contender.name);
-        let outcome = match survive(|| contender.build(&stage.geometry, case.resolution)) {
+        let outcome = match survive(|| {
+            contender.admit(&stage.geometry)?;
+            contender.build(&stage.geometry, case.resolution)
+        }) {
             Ok(Ok(accel)) => {
                 running.push((
                     result.rows.len(),

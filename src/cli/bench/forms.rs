@@ -1,6 +1,6 @@
 //! A benchmark as text, CSV and JSON.
 
-use crate::bench::{KINDS, Mean, SceneResult, Study, figures};
+use crate::bench::{KINDS, Mean, SceneResult, Study, UNSUITED, figures};
 use crate::cli::compare::{difference, identity};
 use crate::cli::table::{Table, short};
 use crate::measure::{Rate, RayKind};
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 /// Tables for people: one for each scene, then the means of each class, then the figures of `subject`.
 pub(super) fn text(study: &Study, subject: &str) -> String {
-    let kinds: Vec<&str> = study.kinds.iter().map(|kind| kind.name()).collect();
+    let kinds: Vec<&str> = study.options.kinds.iter().map(|kind| kind.name()).collect();
     let mut out = format!(
         "skipgrid {}: benchmark\n{}\nat most {} rays of a kind, {} rounds, seed {}\n\n\
          Million rays a second of processor time, half the range of the rounds in %, speed over that of an anchor (x),\n\
@@ -17,12 +17,12 @@ pub(super) fn text(study: &Study, subject: &str) -> String {
          camera and shadow rays are traced, with the build, COMPUTED from the rates. Rays that differ: see the end.\n",
         env!("CARGO_PKG_VERSION"),
         study.machine,
-        study.rays,
-        study.rounds,
-        study.seed,
+        study.options.rays,
+        study.options.rounds,
+        study.options.seed,
         kinds.join(" / ")
     );
-    for (i, anchor) in study.anchors.iter().enumerate() {
+    for (i, anchor) in study.options.anchors.iter().enumerate() {
         out += &format!("x{}: over {anchor}\n", i + 1);
     }
     for scene in &study.scenes {
@@ -66,7 +66,7 @@ pub(super) fn text(study: &Study, subject: &str) -> String {
 
 /// One value for each kind that was measured.
 fn joined(study: &Study, value: impl Fn(RayKind) -> f64) -> String {
-    study.kinds.iter().map(|kind| short(value(*kind))).collect::<Vec<_>>().join("/")
+    study.options.kinds.iter().map(|kind| short(value(*kind))).collect::<Vec<_>>().join("/")
 }
 
 /// As [`joined`], for the three values of a mean.
@@ -77,23 +77,23 @@ fn of_mean(study: &Study, values: &[f64; 3]) -> String {
 
 fn of_scene(study: &Study, scene: &SceneResult) -> Table {
     let mut columns = vec!["<accelerator".to_string(), "Mrays/s".into(), "+-%".into()];
-    columns.extend((1..=study.anchors.len()).map(|i| format!("x{i}")));
+    columns.extend((1..=study.options.anchors.len()).map(|i| format!("x{i}")));
     columns.extend(["build", "bytes", "tests", "steps", "leaps"].map(String::from));
-    columns.extend(study.spp.iter().map(|spp| format!("{spp} spp")));
+    columns.extend(study.options.spp.iter().map(|spp| format!("{spp} spp")));
     let mut table = Table::new(&columns.iter().map(String::as_str).collect::<Vec<_>>());
     for (row, of) in scene.comparison.rows.iter().enumerate() {
         let of_kind =
             |value: &dyn Fn(&Rate) -> f64| joined(study, |kind| scene.rate(row, kind).map_or(f64::NAN, value));
         let mut cells = vec![of.accel.clone(), of_kind(&|rate| rate.rays_per_second / 1e6)];
         let percent = |kind| scene.rate(row, kind).map_or("-".into(), |rate| format!("{:.0}", 100.0 * rate.spread));
-        cells.push(study.kinds.iter().map(|kind| percent(*kind)).collect::<Vec<String>>().join("/"));
-        for anchor in &study.anchors {
+        cells.push(study.options.kinds.iter().map(|kind| percent(*kind)).collect::<Vec<String>>().join("/"));
+        for anchor in &study.options.anchors {
             let there = scene.row(anchor).is_some();
             cells.push(if there { joined(study, |kind| scene.ratio(row, anchor, kind)) } else { "-".into() });
         }
         cells.extend([short(scene.build_ns(row)), short(scene.bytes(row))]);
         cells.extend([of_kind(&tests), of_kind(&steps), of_kind(&leaps)]);
-        cells.extend(study.spp.iter().map(|spp| short(1e3 * scene.image_seconds(row, *spp))));
+        cells.extend(study.options.spp.iter().map(|spp| short(1e3 * scene.image_seconds(row, *spp))));
         table.row(cells);
     }
     table
@@ -127,7 +127,7 @@ fn means(study: &Study) -> String {
             continue;
         }
         let mut columns = vec!["<accelerator".to_string(), "scenes".into(), "Mrays/s".into()];
-        columns.extend((1..=study.anchors.len()).map(|i| format!("x{i}")));
+        columns.extend((1..=study.options.anchors.len()).map(|i| format!("x{i}")));
         columns.extend(["build".into(), "bytes".into()]);
         let mut table = Table::new(&columns.iter().map(String::as_str).collect::<Vec<_>>());
         for mean in group {
@@ -147,7 +147,7 @@ fn means(study: &Study) -> String {
 fn refusals(study: &Study) -> String {
     let all = study.scenes.iter().flat_map(|s| s.refused.iter().map(move |(accel, cause)| (&s.name, accel, cause)));
     let lines: Vec<String> = all
-        .filter(|(.., cause)| !cause.starts_with("not for"))
+        .filter(|(.., cause)| *cause != UNSUITED)
         .map(|(scene, accel, cause)| format!("{scene} without {accel}: {cause}\n"))
         .collect();
     if lines.is_empty() { String::new() } else { format!("\n{}", lines.concat()) }
@@ -184,8 +184,8 @@ pub(super) fn csv(study: &Study) -> String {
                  steps_per_ray leaps_per_ray differing build_ms build_cpu_ms build_ns_per_primitive bytes \
                  bytes_per_primitive";
     let mut columns: Vec<String> = fixed.split_whitespace().map(String::from).collect();
-    columns.extend(study.spp.iter().map(|spp| format!("computed_image_s_{spp}_spp")));
-    columns.extend(study.anchors.iter().map(|anchor| format!("over {anchor}")));
+    columns.extend(study.options.spp.iter().map(|spp| format!("computed_image_s_{spp}_spp")));
+    columns.extend(study.options.anchors.iter().map(|anchor| format!("over {anchor}")));
     let mut table = Table::new(&columns.iter().map(String::as_str).collect::<Vec<_>>());
     for scene in &study.scenes {
         let comparison = &scene.comparison;
@@ -205,8 +205,8 @@ pub(super) fn csv(study: &Study) -> String {
                     of.build.memory.total().to_string(),
                     exact(scene.bytes(row)),
                 ]);
-                cells.extend(study.spp.iter().map(|spp| exact(scene.image_seconds(row, *spp))));
-                cells.extend(study.anchors.iter().map(|anchor| exact(scene.ratio(row, anchor, kind.kind))));
+                cells.extend(study.options.spp.iter().map(|spp| exact(scene.image_seconds(row, *spp))));
+                cells.extend(study.options.anchors.iter().map(|anchor| exact(scene.ratio(row, anchor, kind.kind))));
                 table.row(cells);
             }
         }
@@ -259,10 +259,10 @@ pub(super) fn json(study: &Study, subject: &str) -> Value {
         "threads": study.machine.threads,
         "code": study.machine.features,
         "debug": study.machine.debug,
-        "rounds": study.rounds,
-        "most_rays": study.rays,
-        "seed": study.seed,
-        "anchors": study.anchors,
+        "rounds": study.options.rounds,
+        "most_rays": study.options.rays,
+        "seed": study.options.seed,
+        "anchors": study.options.anchors,
         "scenes": scenes,
         "means": study.means().iter().map(|mean| mean_json(study, mean)).collect::<Vec<_>>(),
         "left_out": pairs(&study.left_out, "scene"),
@@ -276,11 +276,12 @@ pub(super) fn json(study: &Study, subject: &str) -> Value {
 fn accelerator(study: &Study, scene: &SceneResult, row: usize) -> Value {
     let of = &scene.comparison.rows[row];
     let rates: Vec<Value> = study
+        .options
         .kinds
         .iter()
         .filter_map(|kind| {
             let rate = scene.rate(row, *kind)?;
-            let over = study.anchors.iter().map(|a| (a.clone(), json!(scene.ratio(row, a, *kind))));
+            let over = study.options.anchors.iter().map(|a| (a.clone(), json!(scene.ratio(row, a, *kind))));
             Some(json!({
                 "kind": kind.name(),
                 "rays_per_second": rate.rays_per_second,
@@ -293,8 +294,12 @@ fn accelerator(study: &Study, scene: &SceneResult, row: usize) -> Value {
             }))
         })
         .collect();
-    let images: Vec<Value> =
-        study.spp.iter().map(|spp| json!({ "spp": spp, "seconds_computed": scene.image_seconds(row, *spp) })).collect();
+    let images: Vec<Value> = study
+        .options
+        .spp
+        .iter()
+        .map(|spp| json!({ "spp": spp, "seconds_computed": scene.image_seconds(row, *spp) }))
+        .collect();
     let d = &of.deviations;
     json!({
         "accelerator": of.accel,
@@ -321,7 +326,8 @@ fn mean_json(study: &Study, mean: &Mean) -> Value {
     let by_kind = |values: &[f64; 3]| -> serde_json::Map<String, Value> {
         KINDS.iter().zip(values).map(|(kind, value)| (kind.name().to_string(), json!(value))).collect()
     };
-    let over = study.anchors.iter().zip(&mean.ratios).map(|(anchor, ratios)| (anchor.clone(), json!(by_kind(ratios))));
+    let over =
+        study.options.anchors.iter().zip(&mean.ratios).map(|(anchor, ratios)| (anchor.clone(), json!(by_kind(ratios))));
     json!({
         "class": mean.class.name(),
         "accelerator": mean.accel,
