@@ -53,8 +53,8 @@ impl Settings {
     pub fn triangles(quality: Quality) -> Self {
         match quality {
             Quality::Fast => Self { density: 0.02, node_cost: 12.0 },
-            Quality::Default => Self { density: 0.03, node_cost: 6.0 },
-            Quality::Best => Self { density: 0.05, node_cost: 4.0 },
+            Quality::Default => Self { density: 0.05, node_cost: 5.0 },
+            Quality::Best => Self { density: 0.08, node_cost: 4.0 },
         }
     }
 

@@ -8,7 +8,7 @@ use super::spheres::SpherePack;
 use super::triangles::TrianglePack;
 use crate::geometry::{Sphere, Triangle};
 use crate::ray::{Aabb, Cell};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The primitives of a part, numbered from 0.
 pub(super) trait Source: Sync {
@@ -66,10 +66,9 @@ impl Source for Triangles {
     }
 
     fn pack(&self, list: &[u32]) -> TrianglePack {
-        TrianglePack::new(list.iter().map(|&i| {
-            let corners = self.corners[i as usize].map(|p| self.frame.local(p.as_dvec3()));
-            (self.prims[i as usize], corners)
-        }))
+        TrianglePack::new(
+            list.iter().map(|&i| (self.prims[i as usize], self.corners[i as usize].map(|p| self.frame.sized(p)))),
+        )
     }
 }
 
@@ -78,6 +77,8 @@ pub(super) struct Spheres {
     pub prims: Vec<u32>,
     /// Centre and radius in the part's coordinates.
     balls: Vec<(DVec3, f64)>,
+    /// As packs have them.
+    sized: Vec<(Vec3, f32)>,
 }
 
 impl Spheres {
@@ -85,7 +86,9 @@ impl Spheres {
     pub fn new(frame: Frame, prims: Vec<u32>, spheres: &[Sphere]) -> Self {
         let balls =
             spheres.iter().map(|s| (frame.local(s.centre.as_dvec3()), f64::from(s.radius) * frame.scale)).collect();
-        Self { prims, balls }
+        let sized =
+            spheres.iter().map(|s| (frame.sized(s.centre), (f64::from(s.radius) * frame.scale) as f32)).collect();
+        Self { prims, balls, sized }
     }
 
     /// As f32 has them.
@@ -115,7 +118,7 @@ impl Source for Spheres {
 
     fn pack(&self, list: &[u32]) -> SpherePack {
         SpherePack::new(list.iter().map(|&i| {
-            let (centre, radius) = self.balls[i as usize];
+            let (centre, radius) = self.sized[i as usize];
             (self.prims[i as usize], centre, radius)
         }))
     }
