@@ -18,9 +18,10 @@ pub(super) trait Exact {
     fn known(&self) -> Option<Known>;
 }
 
-/// A parameter of the ray, known to lie within two others.
+/// The winner, whose parameter is known to lie within two others.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known {
+    pub prim: u32,
     pub lower: f64,
     pub upper: f64,
 }
@@ -68,6 +69,6 @@ impl<G: Geometry> Exact for Tests<'_, G> {
     #[inline]
     fn known(&self) -> Option<Known> {
         let (t, err) = (self.best.t(), self.best.err());
-        self.best.is_hit().then_some(Known { lower: t - err, upper: t + err })
+        self.best.prim().map(|prim| Known { prim, lower: t - err, upper: t + err })
     }
 }

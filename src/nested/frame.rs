@@ -94,8 +94,10 @@ pub(super) struct Sight {
     pub direction: [f32; 3],
     /// Each coordinate of the origin is off by this at most.
     pub fuzz: f32,
-    /// The ray's own origin, exactly, and the parameter from there to this one; a NaN if that is not known to f64.
+    /// The ray's own origin and direction, exactly, and the parameter from that origin to this one; a NaN if that is not
+    /// known to f64.
     pub own: DVec3,
+    pub course: DVec3,
     pub start: f64,
     /// At or before the `p` of the ray's begin, and at or beyond it.
     pub begin: [f32; 2],
@@ -262,6 +264,7 @@ impl Frame {
             direction: [d.x as f32, d.y as f32, d.z as f32],
             fuzz: 0.0,
             own: ray.origin.as_dvec3() * self.scale,
+            course: d,
             start: 0.0,
             begin: [0.0; 2],
             end: [0.0; 2],
@@ -294,7 +297,7 @@ impl Frame {
         };
         entry.sight.begin = entry.around(f64::from(ray.t_min));
         entry.sight.end = entry.around(f64::from(ray.t_max));
-        if let Some(Known { lower, upper }) = winner {
+        if let Some(Known { lower, upper, .. }) = winner {
             let ([sure, _], [_, end]) = (entry.around(lower), entry.around(upper));
             entry.sight.end = [least(entry.sight.end[0], sure), least(entry.sight.end[1], end)];
             entry.end = least(entry.end, entry.walked(entry.sight.end[1]));

@@ -45,6 +45,7 @@ mod spheres;
 mod split;
 mod triangles;
 mod walk;
+mod wide;
 
 pub use options::{NestedOptions, Quality};
 

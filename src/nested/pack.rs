@@ -99,6 +99,21 @@ pub(super) trait Pack: Clone + Send + Sync {
         Verdict::Open
     }
 
+    /// The lanes of which f64 says the same as [`Verdict::Miss`]; for many at once.
+    fn missed(&self, _sight: &Sight, _end: f32) -> u32 {
+        0
+    }
+
+    /// The corner of a lane that the ray's line certainly passes through, without any rounding.
+    fn corner(&self, _lane: usize, _sight: &Sight) -> Option<[f32; 3]> {
+        None
+    }
+
+    /// The lanes that have this corner.
+    fn lanes_at<S: Lanes>(&self, _corner: &[f32; 3]) -> u32 {
+        0
+    }
+
     /// Indices in the geometry, one for each lane.
     fn prims(&self) -> &[u32; 8];
 }

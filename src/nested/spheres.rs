@@ -101,7 +101,7 @@ impl Pack for SpherePack {
     /// two hits is certainly before the ray's begin, it judges the second.
     #[inline(never)]
     fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
-        let d = DVec3::from_array(sight.direction.map(f64::from));
+        let d = sight.course;
         let c = DVec3::from_array(self.centre.each_ref().map(|row| f64::from(row.0[lane]))) - sight.own;
         let (radius, away) = (f64::from(self.radius.0[lane]), c.abs().max_element());
         let (inverse_square, along) = (1.0 / d.dot(d), c.dot(d));

@@ -7,8 +7,9 @@
 use super::frame::Sight;
 use super::lanes::{Lanes, Row, Vector};
 use super::pack::{Pack, PackRay, Seen, Verdict, padded};
-use crate::ray::{greater, lesser};
-use glam::{DVec3, Vec3};
+use super::wide::{self, Wide};
+use crate::geometry::expansion::two_sum;
+use glam::Vec3;
 
 /// Eight triangles in the part's unit, from the world's origin: their corners exactly.
 ///
@@ -54,11 +55,16 @@ const DOUBLE: f64 = 1.0 / (1 << 29) as f64;
 /// More than what underflow of inputs takes away.
 const LEAST: f64 = 1e-40;
 
-/// The greatest size of a component.
-#[inline(always)]
-fn greatest(v: DVec3) -> f64 {
-    let v = v.abs();
-    greater(v.x, greater(v.y, v.z))
+/// What the test computes, in f64.
+struct Closely<const N: usize> {
+    /// The least and the greatest of `U`, `V`, `W`, and their bound.
+    low: Wide<N>,
+    high: Wide<N>,
+    side: Wide<N>,
+    /// The parameter where the ray meets the plane, and its bound, which holds where the ray is steep enough.
+    p: Wide<N>,
+    bound: Wide<N>,
+    steep: [bool; N],
 }
 
 impl TrianglePack {
@@ -80,6 +86,32 @@ impl TrianglePack {
             pack.prims[lane] = prim;
         }
         pack
+    }
+
+    /// The same test with the same bounds, `e` being 2^-53, from the ray's own origin: all inputs are exact.
+    #[inline(always)]
+    fn closely<const N: usize>(&self, first: usize, sight: &Sight) -> Closely<N> {
+        let of = |row: &Row| Wide(std::array::from_fn(|i| f64::from(row.0[(first + i) & 7])));
+        let corner = |i: usize| self.corners[i].each_ref().map(of);
+        let (o, d) = (sight.own.to_array().map(Wide::splat), sight.course.to_array().map(Wide::splat));
+        let [a, b, far] = [corner(0), corner(1), corner(2)];
+        let (c, e1, e2) = (wide::minus(a, o), wide::minus(a, b), wide::minus(far, a));
+        let (across, normal) = (wide::cross(c, d), wide::cross(e2, e1));
+        let (u, v, determinant) = (wide::dot(across, e2), wide::dot(across, e1), wide::dot(normal, d));
+        let w = determinant - u - v;
+        let (longest, away) = (of(&self.longest), c[0].abs().max(c[1].abs()).max(c[2].abs()));
+        let of_f32 = |bound: f32| Wide::splat(DOUBLE * f64::from(bound));
+        let (square, size, least) = (longest * longest, determinant.abs(), Wide::splat(LEAST));
+        let depth = square * of_f32(DEPTH);
+        let p = wide::dot(c, normal) / determinant;
+        Closely {
+            low: u.min(v).min(w),
+            high: u.max(v).max(w),
+            side: longest * (of_f32(SIDE) * (away + longest)) + least,
+            p: p - Wide::splat(sight.start),
+            bound: (square * (away * of_f32(HEIGHT)) + least + p.abs() * depth) / size,
+            steep: std::array::from_fn(|i| 8.0 * depth.0[i] < size.0[i]),
+        }
     }
 }
 
@@ -124,32 +156,60 @@ impl Pack for TrianglePack {
         }
     }
 
-    /// The same test with the same bounds, `e` being 2^-53, from the ray's own origin: all inputs are exact.
     #[inline(never)]
     fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
-        let corner = |i: usize| DVec3::from_array(self.corners[i].each_ref().map(|row| f64::from(row.0[lane])));
-        let d = DVec3::from_array(sight.direction.map(f64::from));
-        let a = corner(0);
-        let (c, e1, e2) = (a - sight.own, a - corner(1), corner(2) - a);
-        let (across, normal) = (c.cross(d), e2.cross(e1));
-        let (u, v, determinant) = (across.dot(e2), across.dot(e1), normal.dot(d));
-        let w = determinant - u - v;
-        let (longest, away) = (f64::from(self.longest.0[lane]), greatest(c));
-        let side = longest * (DOUBLE * f64::from(SIDE) * (away + longest)) + LEAST;
-        let (low, high) = (lesser(u, lesser(v, w)), greater(u, greater(v, w)));
+        let Closely { low, high, side, p, bound, steep } = self.closely::<1>(lane, sight);
+        let ([low], [high], [side]) = (low.0, high.0, side.0);
         if high > side && low < -side {
-            return Verdict::Miss;
-        }
-        let square = longest * longest;
-        let depth = square * (DOUBLE * f64::from(DEPTH));
-        let from_own = c.dot(normal) / determinant;
-        let height = square * (away * (DOUBLE * f64::from(HEIGHT))) + LEAST;
-        let bound = (height + from_own.abs() * depth) / determinant.abs();
-        if 8.0 * depth < determinant.abs() {
-            sight.judge(from_own - sight.start, bound, end, low > side || high < -side)
+            Verdict::Miss
+        } else if steep[0] {
+            sight.judge(p.0[0], bound.0[0], end, low > side || high < -side)
         } else {
             Verdict::Open
         }
+    }
+
+    #[inline(never)]
+    fn missed(&self, sight: &Sight, end: f32) -> u32 {
+        let (begin, end) = (f64::from(sight.begin[0]), f64::from(end));
+        let mut missed = 0;
+        for first in [0, 4] {
+            let Closely { low, high, side, p, bound, steep } = self.closely::<4>(first, sight);
+            for i in 0..4 {
+                let outside = high.0[i] > side.0[i] && low.0[i] < -side.0[i];
+                let apart = p.0[i] + bound.0[i] < begin || p.0[i] - bound.0[i] > end;
+                missed |= u32::from(outside || (steep[i] && apart)) << (first + i);
+            }
+        }
+        missed
+    }
+
+    fn corner(&self, lane: usize, sight: &Sight) -> Option<[f32; 3]> {
+        let d = sight.course.to_array();
+        self.corners.iter().map(|rows| rows.each_ref().map(|row| row.0[lane])).find(|corner| {
+            let mut c = [0.0; 3];
+            for axis in 0..3 {
+                let (difference, error) = two_sum(f64::from(corner[axis]), -sight.own[axis]);
+                // With 24 bits each, factors have exact products.
+                if error != 0.0 || f64::from(difference as f32) != difference {
+                    return false;
+                }
+                c[axis] = difference;
+            }
+            [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| c[i] * d[j] == c[j] * d[i])
+        })
+    }
+
+    #[inline(always)]
+    fn lanes_at<S: Lanes>(&self, corner: &[f32; 3]) -> u32 {
+        let [x, y, z] = corner.map(S::splat);
+        let mut lanes = 0;
+        for rows in &self.corners {
+            let Vector { x: a, y: b, z: c } = Vector::<S>::of(rows);
+            let differs = a.less(x) | x.less(a) | b.less(y) | y.less(b) | c.less(z) | z.less(c);
+            lanes |= !S::bits(differs);
+        }
+        lanes & 0xff
     }
 
     #[inline(always)]

@@ -94,6 +94,9 @@ struct Trace<'a, S, K, P> {
     pending: Option<(&'a K, usize)>,
     /// True if there is a winner that has been, or one that need not be.
     found: bool,
+    /// A corner that the ray passes through, without any rounding, and a primitive that it meets there, which was the winner. Other
+    /// primitives with that corner are met there or are parallel to the ray: with greater indices, they never win.
+    corner: Option<([f32; 3], u32)>,
 }
 
 /// Whether a ray goes on.
@@ -212,6 +215,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             sure: entry.sight.end[0],
             pending: None,
             found: false,
+            corner: None,
         }
     }
 
@@ -278,7 +282,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         for pack in &part.packs[slot.first as usize..][..slot.count as usize] {
             self.probe.leaf();
             let seen = pack.look::<S>(&self.ray, S::splat(self.limit));
-            if seen.survivors != 0 && self.meet(pack, &seen) {
+            if seen.survivors != 0 && self.meet(pack, seen) {
                 return Next::Nothing;
             }
         }
@@ -287,7 +291,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
 
     /// What survives of a pack; true if that is all the ray wants.
     #[inline(always)]
-    fn meet(&mut self, pack: &'a K, seen: &Seen<S>) -> bool {
+    fn meet(&mut self, pack: &'a K, seen: Seen<S>) -> bool {
         let (from, to) = (seen.p - seen.bound, seen.p + seen.bound);
         let in_range = to.less(S::splat(self.sure)) & self.ray.begin.less(from);
         let certain = if K::CERTAIN { S::bits(seen.certain & in_range) } else { 0 };
@@ -297,6 +301,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
         let (Row(from), Row(to)) = (from.row(), to.row());
         let mut survivors = seen.survivors;
+        if (survivors & !certain).count_ones() > 2 {
+            survivors &= !self.crowd(pack);
+        }
         while survivors != 0 {
             let lane = survivors.trailing_zeros() as usize & 7;
             survivors &= survivors - 1;
@@ -329,12 +336,27 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
                 }
             }
             self.settle();
-            self.exactly(prim);
+            if self.exactly(prim) {
+                self.corner = pack.corner(lane, &self.entry.sight).map(|corner| (corner, prim));
+            }
             if self.any && self.found {
                 return true;
             }
         }
         false
+    }
+
+    /// The lanes that need not be looked at one by one, where many primitives are near the ray.
+    #[inline(never)]
+    fn crowd(&self, pack: &K) -> u32 {
+        let mut beaten = 0;
+        if let Some((corner, winner)) = &self.corner {
+            beaten = pack.lanes_at::<S>(corner);
+            for (lane, prim) in pack.prims().iter().enumerate() {
+                beaten &= !(u32::from(prim < winner) << lane);
+            }
+        }
+        if beaten == 0xff { beaten } else { beaten | pack.missed(&self.entry.sight, self.limit) }
     }
 
     /// Finds the parameter of the winner that waits, if one does.
@@ -356,18 +378,19 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
     }
 
-    /// Tests a primitive exactly.
+    /// Tests a primitive exactly; true if it wins.
     #[inline(always)]
-    fn exactly(&mut self, prim: u32) {
+    fn exactly(&mut self, prim: u32) -> bool {
         self.probe.test();
         let known = self.exact.test(prim);
         self.know(known);
+        known.is_some_and(|known| known.prim == prim)
     }
 
     /// Lowers the end to the winner.
     #[inline(always)]
     fn know(&mut self, known: Option<Known>) {
-        if let Some(Known { lower, upper }) = known {
+        if let Some(Known { lower, upper, .. }) = known {
             self.found = true;
             self.limit = least(self.limit, self.entry.around(upper)[1]);
             self.sure = least(self.sure, self.entry.around(lower)[0]);
