@@ -15,6 +15,7 @@ pub mod grid;
 #[cfg(feature = "render")]
 pub mod measure;
 pub mod nested;
+mod parallel;
 #[cfg(feature = "scene")]
 mod npy;
 #[cfg(feature = "oracle")]

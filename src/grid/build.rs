@@ -1,4 +1,4 @@
-//! Building a grid: a pass that counts references, then one that writes them.
+//! Building a grid: the voxels of each primitive, in chunks of primitives; then these references sorted by voxels.
 
 use super::Grid;
 use super::cells::Cells;
@@ -8,10 +8,14 @@ use super::seeds::Seeds;
 use super::skip::{Method, NoSkip, SkipOptions, Slot, Table};
 use super::voxelise::voxels_of;
 use super::walk::{VoxelWalk, Walk};
-use crate::accel::Candidates;
+use super::lists::{self, References};
+use crate::accel::Sieve;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
+use crate::parallel;
 use std::marker::PhantomData;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 impl<G: Geometry> Grid<G, NoSkip, Walk> {
     /// Builds a grid over `geometry`. Primitives that no ray can hit are left out; an empty geometry is fine.
@@ -20,9 +24,11 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
     /// An option is out of range, or voxels and references would take more than `options.memory` bytes.
     pub fn build(geometry: G, options: &GridOptions) -> Result<Self> {
         options.check()?;
-        let Candidates { prims, bounds, left_out } = Candidates::of(&geometry);
+        let mut shop = Workshop::default();
+        let (bounds, left_out) = shop.sieve.sift(&geometry);
+        let prims = &shop.sieve.prims;
         let frame = Frame::new(&bounds, prims.len() as u32, options);
-        let cells = fill(&geometry, &prims, &frame, options)?;
+        let cells = fill(&geometry, prims, &frame, options, &mut shop.chunks, Cells::default())?;
         let left = options.memory.saturating_sub(cells.memory().total());
         let seeds = Seeds::new(&geometry, &frame, cells.references(), options, left)?;
         Ok(Self {
@@ -67,55 +73,100 @@ impl<G: Geometry, W: VoxelWalk> Grid<G, NoSkip, W> {
     }
 }
 
-fn fill<G: Geometry>(geometry: &G, candidates: &[u32], frame: &Frame, options: &GridOptions) -> Result<Cells> {
+/// The voxels of some primitives in a row.
+#[derive(Debug, Default)]
+struct Chunk {
+    prims: Range<usize>,
+    /// Number of voxels of each primitive.
+    counts: Vec<u32>,
+    /// The voxels of all of them, one primitive behind the other.
+    voxels: Vec<u32>,
+}
+
+/// The references of all chunks.
+struct Chunks<'a> {
+    candidates: &'a [u32],
+    chunks: &'a [Chunk],
+}
+
+impl References for Chunks<'_> {
+    #[inline]
+    fn each(&self, share: &Range<usize>, mut refer: impl FnMut(usize, u32)) {
+        for Chunk { prims, counts, voxels } in self.chunks {
+            let mut rest = voxels.as_slice();
+            for (&prim, &count) in self.candidates[prims.clone()].iter().zip(counts) {
+                let (voxels, others) = rest.split_at(count as usize);
+                rest = others;
+                for voxel in voxels.iter().map(|&voxel| voxel as usize).filter(|voxel| share.contains(voxel)) {
+                    refer(voxel, prim);
+                }
+            }
+        }
+    }
+}
+
+/// Memory of a build that the next one uses again.
+#[derive(Debug, Default)]
+pub(super) struct Workshop {
+    sieve: Sieve,
+    chunks: Vec<Chunk>,
+}
+
+/// Fills `cells`, whose memory is used again, with the lists of `candidates`.
+fn fill<G: Geometry>(
+    geometry: &G,
+    candidates: &[u32],
+    frame: &Frame,
+    options: &GridOptions,
+    chunks: &mut Vec<Chunk>,
+    cells: Cells,
+) -> Result<Cells> {
     let [x, y, z] = frame.resolution;
-    // At most 4096^3: no overflow in u64.
+    // At most 4096^3: no overflow in u64. Below 2^32 of each where they are within the budget.
     let voxels = u64::from(x) * u64::from(y) * u64::from(z);
-    let what = |references: u64| format!("grid of {x} x {y} x {z} voxels with {references} references");
-    let within_budget = |references: u64| {
-        let wanted = (voxels + 1 + references) * 4;
-        let allowed = options.memory.min((u64::from(u32::MAX)) * 4);
-        if wanted > allowed { Err(Error::TooLarge { what: what(references), wanted, allowed }) } else { Ok(()) }
+    let allowed = options.memory.min(u64::from(u32::MAX) * 4);
+    let Some(most) = (allowed / 4).checked_sub(voxels + 1) else {
+        let what = format!("grid of {x} x {y} x {z} voxels");
+        return Err(Error::TooLarge { what, wanted: (voxels + 1) * 4, allowed });
     };
-    within_budget(0)?;
-    let mut start = reserve(voxels as usize + 1, &what(0), options)?;
-    start.resize(voxels as usize + 1, 0_u32);
+    let (mut start, mut prims) = cells.into_parts();
+    reserve(&mut start, voxels as usize + 1, options)?;
 
-    // First pass: start[v + 1] counts the references of voxel v. No count can wrap: a voxel refers to a primitive once.
-    let mut references = 0_u64;
-    for &prim in candidates {
-        voxels_of(geometry, prim, frame, &mut |v| {
-            start[v + 1] += 1;
-            references += 1;
-        });
-        // Asked for each primitive, so that a hopeless grid is refused before it is counted to the end.
-        within_budget(references)?;
+    // Asked for each primitive, so that a hopeless grid is refused before it is counted to the end.
+    let references = AtomicU64::new(0);
+    let ranges: Vec<Range<usize>> = parallel::chunks(candidates.len(), 1024).collect();
+    chunks.resize_with(ranges.len(), Chunk::default);
+    parallel::each(chunks.iter_mut().zip(ranges), |(chunk, range)| {
+        let Chunk { prims, counts, voxels } = chunk;
+        *prims = range;
+        counts.clear();
+        voxels.clear();
+        for &prim in &candidates[prims.clone()] {
+            let before = voxels.len();
+            // A voxel refers to a primitive once.
+            voxels_of(geometry, prim, frame, &mut |voxel| voxels.push(voxel as u32));
+            let count = voxels.len() - before;
+            counts.push(count as u32);
+            if references.fetch_add(count as u64, Relaxed) + count as u64 > most {
+                return;
+            }
+        }
+    });
+    let references = references.into_inner();
+    if references > most {
+        let what = format!("grid of {x} x {y} x {z} voxels with more than {most} references");
+        return Err(Error::TooLarge { what, wanted: (voxels + most + 2) * 4, allowed });
     }
-    for v in 1..start.len() {
-        start[v] += start[v - 1];
-    }
-
-    // Second pass: start[v] runs from the begin of list v to its end, which is the begin of list v + 1.
-    let mut prims = reserve(references as usize, &what(references), options)?;
-    prims.resize(references as usize, 0_u32);
-    for &prim in candidates {
-        voxels_of(geometry, prim, frame, &mut |v| {
-            prims[start[v] as usize] = prim;
-            start[v] += 1;
-        });
-    }
-    start.rotate_right(1);
-    start[0] = 0;
+    reserve(&mut prims, references as usize, options)?;
+    lists::sort(&Chunks { candidates, chunks }, voxels as usize, &mut start, &mut prims);
     Ok(Cells::new(start, prims))
 }
 
-/// An empty vector with room for `len` entries, or an error instead of an abort.
-fn reserve(len: usize, what: &str, options: &GridOptions) -> Result<Vec<u32>> {
-    let mut vec = Vec::new();
-    vec.try_reserve_exact(len).map_err(|_| Error::TooLarge {
-        what: format!("{what} (the system refuses the memory)"),
+/// Room for `len` entries in all, or an error instead of an abort.
+fn reserve(list: &mut Vec<u32>, len: usize, options: &GridOptions) -> Result<()> {
+    list.try_reserve_exact(len.saturating_sub(list.len())).map_err(|_| Error::TooLarge {
+        what: "grid (the system refuses the memory)".into(),
         wanted: len as u64 * 4,
         allowed: options.memory,
-    })?;
-    Ok(vec)
+    })
 }

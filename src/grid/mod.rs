@@ -15,10 +15,10 @@
 mod build;
 mod cells;
 mod frame;
+pub(crate) mod lists;
 mod mailbox;
 mod occupancy;
 mod options;
-mod parallel;
 mod seeds;
 mod shadow;
 pub mod skip;

@@ -20,7 +20,7 @@ mod hull;
 mod umbra;
 
 use super::frame::{Frame, PADDING};
-use super::parallel;
+use crate::parallel;
 use super::{Grid, GridOptions};
 use crate::accel::{Accel, Memory, PointShadows, Shadow};
 use crate::error::{Error, Result};

@@ -10,7 +10,7 @@
 //! coordinates. A face is 0 to 5: +x, -x, +y, -y, +z, -z.
 
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
+use crate::parallel;
 
 /// "255 or more".
 pub(super) const FAR: u8 = u8::MAX;

@@ -22,7 +22,7 @@ use super::region::{Diamond, corner};
 use super::slot::{Eight, Slot};
 use super::{Method, SkipOptions};
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
+use crate::parallel;
 use crate::grid::walk::Walk;
 
 /// City-block distances to the nearest filled voxel beyond each face: six bytes, in a slot of eight.

@@ -19,7 +19,7 @@ use super::region::{Diamond, coordinate, corner};
 use super::slot::{Eight, Slot};
 use super::{Method, SkipOptions};
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
+use crate::parallel;
 use crate::grid::walk::Walk;
 use crate::ray::lesser;
 

@@ -5,7 +5,7 @@ use crate::accel::Memory;
 use crate::error::{Error, Result};
 use crate::grid::cells::Cells;
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
+use crate::parallel;
 use crate::grid::walk::Walk;
 use std::marker::PhantomData;
 
