@@ -31,11 +31,14 @@
 #![allow(clippy::needless_range_loop, reason = "an axis indexes several arrays at once")]
 
 mod build;
+mod cut;
 mod exact;
 mod frame;
 mod lanes;
+mod limit;
 mod options;
 mod pack;
+mod place;
 mod raster;
 mod root;
 mod shape;
@@ -48,11 +51,12 @@ mod walk;
 
 pub use options::{NestedOptions, Quality};
 
-use crate::accel::{Accel, Candidates, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
+use crate::accel::{Accel, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::ray::{Aabb, Ray};
 use exact::Tests;
+use root::Workshop;
 use shape::{AnyPart, Shape};
 use simd::Isa;
 use walk::Outcome;
@@ -73,9 +77,8 @@ impl<G: Geometry> Nested<G> {
     /// # Errors
     /// It would take more than `options.memory` bytes.
     pub fn build(geometry: G, options: &NestedOptions) -> Result<Self> {
-        let Candidates { prims, bounds, left_out } = Candidates::of(&geometry);
-        let isa = Isa::detect();
-        let shape = root::build(&geometry, &prims, options, isa)?;
+        let (isa, mut shape) = (Isa::detect(), Shape::default());
+        let (bounds, left_out) = root::build(&geometry, options, isa, &mut shape, &mut Workshop::default())?;
         Ok(Self { geometry, shape, isa, bounds, left_out })
     }
 
