@@ -15,13 +15,13 @@ pub mod grid;
 #[cfg(feature = "render")]
 pub mod measure;
 pub mod nested;
-mod parallel;
 #[cfg(feature = "scene")]
 mod npy;
 #[cfg(feature = "oracle")]
 pub mod oracle;
 #[cfg(feature = "cli")]
 pub mod papers;
+mod parallel;
 #[cfg(feature = "picture")]
 pub mod picture;
 #[cfg(any(test, feature = "scene"))]

@@ -1,15 +1,15 @@
 //! Which primitives equal an earlier one in every bit.
 //!
-//! Each primitive has a print of 32 bits. Prints are noted in a table of bits, sixteen or more for each; what finds its bit taken is
+//! Each primitive has a print of 31 bits. Prints are noted in a table of bits, sixteen or more for each; what finds its bit taken is
 //! looked at again, with all others whose print has the same bit: some percent, and the copies. Of these, sorted, those
 //! with equal prints are compared by [`Geometry::fingerprint`], which is the truth.
 //!
 //! **No input makes this slow.** Prints are a multilinear hash, `(k + sum of k_i w_i mod 2^64) / 2^32` with keys of 64 bits
-//! that are drawn afresh: two different lists of words have the same print with a chance of 2^-32, whatever they are (D. Lemire and
+//! that are drawn afresh: two different lists of words have the same print with a chance of 2^-31, whatever they are (D. Lemire and
 //! O. Kaser, "Strongly universal string hashing is fast", 2014). The words of a triangle are the least, the greatest and the sum
 //! of its corners' coordinates along each axis, so that the order of corners does not matter; at most 36 triangles
 //! agree in these (each axis may give its three numbers to the corners in six ways). So a print is shared by 36 different
-//! triangles and another for each 2^32 at most, on average over the keys, and no comparison is with more.
+//! triangles and another for each 2^31 at most, on average over the keys, and no comparison is with more.
 
 use crate::geometry::Geometry;
 use crate::parallel;
@@ -154,4 +154,44 @@ fn lesser(a: f32, b: f32) -> f32 {
 #[inline(always)]
 fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sieve;
+    use crate::geometry::tests::Random;
+    use crate::geometry::{Geometry, Triangle};
+    use glam::Vec3;
+    use std::collections::HashSet;
+
+    #[test]
+    fn triangles_of_the_same_coordinates_are_told_apart() {
+        let mut random = Random::new(6);
+        let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let mut triangles: Vec<Triangle> = Vec::new();
+        for _ in 0..40 {
+            let [a, b, c] = [(); 3].map(|()| random.in_cube());
+            let (x, y, z) = ([a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]);
+            for i in orders {
+                for j in orders {
+                    for k in orders {
+                        triangles.push([0, 1, 2].map(|n| Vec3::new(x[i[n]], y[j[n]], z[k[n]])));
+                    }
+                }
+            }
+        }
+        let mut seen = HashSet::new();
+        let kept: Vec<u32> =
+            (0..Geometry::len(&triangles)).filter(|&i| seen.insert(triangles.fingerprint(i))).collect();
+        assert_eq!(kept.len(), 40 * 36);
+        let mut sieve = Sieve::default();
+        for _ in 0..3 {
+            let (_, left_out) = sieve.sift(&triangles);
+            assert_eq!((&sieve.prims, left_out.copies), (&kept, 40 * 180));
+        }
+        // In the memory of a larger search.
+        triangles.truncate(216);
+        sieve.sift(&triangles);
+        assert_eq!(sieve.prims, kept[..36]);
+    }
 }

@@ -68,7 +68,9 @@ pub struct Grid<G, S = NoSkip, W = Walk> {
     seeds: Seeds,
     bounds: Aabb,
     mailbox: bool,
-    memory: u64,
+    options: GridOptions,
+    /// For the next rebuild, once there was one.
+    shop: Option<Box<build::Workshop>>,
     left_out: LeftOut,
     walk: PhantomData<W>,
 }

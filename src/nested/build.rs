@@ -173,3 +173,110 @@ fn ends(lengths: impl Iterator<Item = usize>) -> impl Iterator<Item = usize> {
         Some(*end)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::AnyPart;
+    use super::super::{Nested, NestedOptions, Quality};
+    use crate::accel::{Accel, BruteForce};
+    use crate::geometry::tests::Random;
+    use crate::geometry::{Geometry, Mixed, Sphere, Triangle};
+    use crate::ray::Ray;
+    use glam::Vec3;
+
+    /// Small and long triangles, spheres, and copies of some, those of a later moment a bit further on.
+    fn scene(moment: f32) -> Mixed {
+        let mut random = Random::new(21);
+        let mut triangles: Vec<Triangle> = (0..6000)
+            .map(|i| {
+                let (p, size) = (random.in_cube(), if i % 40 == 0 { 0.8 } else { 0.03 });
+                let wave = Vec3::Y * 0.1 * (moment + 7.0 * p.x).sin();
+                [p, p + size * random.in_cube(), p + size * random.in_cube()].map(|p| p + wave)
+            })
+            .collect();
+        triangles.extend_from_within(100..200);
+        let sphere = |i| Sphere { centre: random.in_cube() + Vec3::X * 0.01 * moment, radius: 0.001 * (i % 60) as f32 };
+        Mixed { triangles, spheres: (0..5000).map(sphere).collect() }
+    }
+
+    /// Runs `work` on so many threads.
+    #[cfg(feature = "parallel")]
+    fn on<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)
+    }
+
+    #[test]
+    #[cfg(feature = "parallel")]
+    fn threads_change_nothing() {
+        let scene = scene(0.0);
+        for quality in [Quality::Fast, Quality::Default, Quality::Best] {
+            let options = NestedOptions { quality, ..NestedOptions::default() };
+            let built = |threads| {
+                let nested = on(threads, || Nested::build(&scene, &options).expect("enough memory"));
+                assert!(nested.describe().contains("100 copies"), "{}", nested.describe());
+                format!("{:?}", nested.shape)
+            };
+            let alone = built(1);
+            assert!(alone.len() > 1_000_000, "{}", alone.len());
+            for threads in [2, 7] {
+                assert!(built(threads) == alone, "{quality:?} on {threads} threads");
+            }
+        }
+    }
+
+    /// Where the memory is that is to be used again: two lists swap theirs on one thread.
+    fn places<G>(nested: &Nested<G>) -> Vec<(usize, usize)> {
+        let mut places = Vec::new();
+        for part in &nested.shape.parts {
+            let (top, nodes, slots, packs) = match part {
+                AnyPart::Triangles(part) => (&part.top, &part.nodes, &part.slots, part.packs.as_ptr() as usize),
+                AnyPart::Spheres(part) => (&part.top, &part.nodes, &part.slots, part.packs.as_ptr() as usize),
+                AnyPart::Lists(part) => (&part.top, &part.nodes, &part.slots, part.packs.as_ptr() as usize),
+            };
+            places.extend([(packs, 0), (top.free.as_ptr() as usize, 0), (top.slots.as_ptr() as usize, 0)]);
+            places.extend([(nodes.as_ptr() as usize, 1), (slots.as_ptr() as usize, 2)]);
+        }
+        places
+    }
+
+    #[test]
+    fn a_rebuild_is_a_fresh_build_in_the_same_place() {
+        for quality in [Quality::Fast, Quality::Default] {
+            let options = NestedOptions { quality, ..NestedOptions::default() };
+            let mut nested = Nested::build(scene(0.0), &options).expect("enough memory");
+            for moment in [1.0, 2.0, 0.0, 1.0, 2.0, 0.0] {
+                nested.rebuild(scene(moment)).expect("enough memory");
+                let fresh = Nested::build(scene(moment), &options).expect("enough memory");
+                assert!(format!("{:?}", nested.shape) == format!("{:?}", fresh.shape), "{quality:?} at {moment}");
+                assert_eq!(nested.describe(), fresh.describe());
+                assert_eq!(nested.bounds(), fresh.bounds());
+            }
+            // All moments have been: whatever comes has its place.
+            let before = places(&nested);
+            nested.rebuild(scene(1.0)).expect("enough memory");
+            nested.rebuild(scene(0.0)).expect("enough memory");
+            assert_eq!(places(&nested), before, "{quality:?}");
+        }
+    }
+
+    #[test]
+    fn a_rebuild_that_is_refused_still_answers() {
+        let memory = 4 << 20;
+        let options = NestedOptions { memory, ..NestedOptions::default() };
+        let mut nested = Nested::build(scene(0.0), &options).expect("enough memory");
+        let mut large = scene(0.0);
+        let mut random = Random::new(22);
+        large.triangles.extend((0..3000).map(|_| [random.in_cube(), random.in_cube(), random.in_cube()]));
+        let error = nested.rebuild(large.clone()).expect_err("more than 4 MiB").to_string();
+        assert!(error.contains("allowed are"), "{error}");
+        let brute = BruteForce::new(&large);
+        for _ in 0..200 {
+            let ray = Ray::new(random.in_cube() * 3.0, random.in_cube());
+            assert_eq!(nested.closest_hit(&ray), brute.closest_hit(&ray), "{ray:?}");
+            assert_eq!(nested.any_hit(&ray), brute.any_hit(&ray), "{ray:?}");
+        }
+        assert_eq!(nested.bounds(), brute.bounds());
+        nested.rebuild(scene(0.0)).expect("enough memory again");
+        assert!(nested.memory().total() < memory && large.len() > 0);
+    }
+}

@@ -103,10 +103,12 @@ impl<Src: Source> Cutter<'_, Src> {
         }
         let window = Window::new(low, size.map(|x| 0.25 * x));
         let Piece { locals, lists, masks, .. } = piece;
-        let counts = self.isa.run(Masks { source: self.source, locals, list: &lists[range.clone()], window: &window, masks });
+        let counts =
+            self.isa.run(Masks { source: self.source, locals, list: &lists[range.clone()], window: &window, masks });
         // The chance that a ray through a box meets a convex part of it is the quotient of their surfaces: a sixteenth.
         let below: u32 = counts.iter().map(|n| n.div_ceil(8)).sum();
-        if self.settings.node_cost + below as f32 / 16.0 >= len.div_ceil(8) as f32 {
+        let packs = len.div_ceil(8) as f32;
+        if self.settings.node_cost + below as f32 / 16.0 + self.settings.growth * (below as f32 - packs) >= packs {
             return leaf(piece);
         }
         let begin = lists.len();
@@ -146,12 +148,7 @@ impl<Src: Source> Cutter<'_, Src> {
     }
 
     /// The lanes of a leaf of `len` primitives.
-    fn leaf(
-        &self,
-        piece: &mut Piece<Src::Local>,
-        len: usize,
-        prim: impl Fn(&Piece<Src::Local>, usize) -> u32,
-    ) -> Slot {
+    fn leaf(&self, piece: &mut Piece<Src::Local>, len: usize, prim: impl Fn(&Piece<Src::Local>, usize) -> u32) -> Slot {
         let (first, count) = (piece.packs(), len.div_ceil(8));
         if !self.limit.take((count * (32 + size_of::<Src::Pack>())) as u64) {
             return Slot::EMPTY;

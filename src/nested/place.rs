@@ -80,12 +80,13 @@ impl<Src: Source> Work for Place<'_, Src> {
         let Self { source, frame, top, members, boxes, limit, placed } = self;
         let Placed { range, codes, met, several, prims, locals, open } = placed;
         let members = &members[range.clone()];
+        let ruler = Ruler::new(frame, top);
         codes.clear();
         met.clear();
         several.clear();
         prims.clear();
         for (i, &prim) in members.iter().enumerate() {
-            let [low, high] = cells_of(frame, top, &boxes[prim as usize]);
+            let [low, high] = ruler.ends(&boxes[prim as usize]);
             if low == high {
                 codes.push(top.index(low));
             } else {
@@ -99,14 +100,18 @@ impl<Src: Source> Work for Place<'_, Src> {
         }
         source.gather(prims, locals);
         for ((&i, &prim), local) in several.iter().zip(&*prims).zip(&*locals) {
-            let [low, high] = cells_of(frame, top, &boxes[prim as usize]);
+            let [low, high] = ruler.ends(&boxes[prim as usize]);
             let first = met.len();
             let mut references = 0;
             open.clear();
             open.push((low, scale(&low, &high)));
             while let Some((at, scale)) = open.pop() {
-                let begin = [0, 1, 2].map(|a| at[a] as f32 * top.cell[a] - top.half[a]);
-                let window = Window::new(begin, top.cell.map(|x| x * scale as f32));
+                let (mut begin, mut size) = ([0.0; 3], [0.0; 3]);
+                for axis in 0..3 {
+                    begin[axis] = at[axis] as f32 * top.cell[axis] - top.half[axis];
+                    size[axis] = top.cell[axis] * scale as f32;
+                }
+                let window = Window::new(begin, size);
                 let mut cells = source.cells::<S>(local, &window) & within(&at, scale, &top.cells);
                 if scale == 1 {
                     if cells != 0 {
@@ -118,8 +123,10 @@ impl<Src: Source> Work for Place<'_, Src> {
                 while cells != 0 {
                     let bit = cells.trailing_zeros() as i32;
                     cells &= cells - 1;
-                    let next = [0, 1, 2].map(|a| at[a] + scale * (bit >> (2 * a) & 3));
-                    open.push((next, scale / 4));
+                    let next = scale / 4;
+                    let [x, y, z] = at;
+                    let at = [x + scale * (bit & 3), y + scale * (bit >> 2 & 3), z + scale * (bit >> 4)];
+                    open.push((at, next));
                 }
             }
             if let Some(last) = met[first..].last_mut() {
@@ -133,18 +140,52 @@ impl<Src: Source> Work for Place<'_, Src> {
     }
 }
 
-/// The cells of the grid where a box begins and ends, padded.
-#[inline(always)]
-fn cells_of(frame: &Frame, top: &Top, aabb: &Aabb) -> [[i32; 3]; 2] {
-    let mut ends = [[0; 3]; 2];
-    for (end, (point, pad)) in ends.iter_mut().zip([(&aabb.min, -2.0 * PADDING), (&aabb.max, 2.0 * PADDING)]) {
-        for axis in 0..3 {
-            let x = ((f64::from(point[axis]) - frame.centre[axis]) * frame.scale) as f32 + pad;
-            let cell = (x + top.half[axis]) * top.per_unit[axis];
-            end[axis] = (cell as i32).clamp(0, top.cells[axis] as i32 - 1);
+/// Finds the cells where boxes begin and end: eight numbers at a time, those of both ends.
+struct Ruler {
+    centre: [f64; 8],
+    scale: f64,
+    padding: [f32; 8],
+    half: [f32; 8],
+    per_unit: [f32; 8],
+    last: [f32; 8],
+}
+
+impl Ruler {
+    #[inline(always)]
+    fn new(frame: &Frame, top: &Top) -> Self {
+        let mut ruler = Self {
+            centre: [0.0; 8],
+            scale: frame.scale,
+            padding: [0.0; 8],
+            half: [0.0; 8],
+            per_unit: [0.0; 8],
+            last: [0.0; 8],
+        };
+        for i in [0, 1, 2, 4, 5, 6] {
+            let axis = i & 3;
+            ruler.centre[i] = frame.centre[axis];
+            ruler.padding[i] = if i < 4 { -2.0 * PADDING } else { 2.0 * PADDING };
+            ruler.half[i] = top.half[axis];
+            ruler.per_unit[i] = top.per_unit[axis];
+            ruler.last[i] = (top.cells[axis] - 1) as f32;
         }
+        ruler
     }
-    ends
+
+    /// The cells of the grid where a box begins and ends, padded.
+    #[inline(always)]
+    fn ends(&self, aabb: &Aabb) -> [[i32; 3]; 2] {
+        let Aabb { min, max } = aabb;
+        let points = [min.x, min.y, min.z, 0.0, max.x, max.y, max.z, 0.0];
+        let mut cells = [0; 8];
+        for i in 0..8 {
+            let x = ((f64::from(points[i]) - self.centre[i]) * self.scale) as f32 + self.padding[i];
+            let cell = (x + self.half[i]) * self.per_unit[i];
+            let cell = if cell < self.last[i] { cell } else { self.last[i] };
+            cells[i] = (if cell > 0.0 { cell } else { 0.0 }) as i32;
+        }
+        [[cells[0], cells[1], cells[2]], [cells[4], cells[5], cells[6]]]
+    }
 }
 
 /// Cells of the grid along an edge of a coarse one, 4 x 4 x 4 of which reach from `low` to `high`: a power of four.

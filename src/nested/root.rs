@@ -3,7 +3,8 @@
 use super::build::{Plan, Shop};
 use super::frame::Frame;
 use super::options::{NestedOptions, Settings};
-use super::shape::{AnyPart, Kind, Part, Shape};
+use super::pack::List;
+use super::shape::{AnyPart, Kind, Part, Shape, Slot, Top};
 use super::simd::Isa;
 use super::source::{Others, Source, Spheres, Triangles};
 use super::split::{Group, split};
@@ -66,6 +67,17 @@ pub(super) fn build<G: Geometry>(
     let overlaps = |prim: u32, cell: &Cell| geometry.overlaps(prim, cell);
     root.add(of_others, Settings::spheres(quality), others, |frame| Others { frame, boxes, overlaps: &overlaps })?;
     Ok(found)
+}
+
+/// A shape of all primitives of `geometry` in one list: four bytes for each, whatever they are.
+pub(super) fn list<G: Geometry>(geometry: &G, shape: &mut Shape, shop: &mut Workshop) -> (Aabb, LeftOut) {
+    let (bounds, left_out) = shop.sieve.sift(geometry);
+    let frame = Frame::new(&bounds);
+    let cell = Slot { first: 0, count: shop.sieve.prims.len().div_ceil(8) as u32 };
+    let packs = shop.sieve.prims.chunks(8).map(|prims| List::new(prims.iter().copied())).collect();
+    let top = Top::one(frame.half, cell);
+    shape.parts = vec![AnyPart::Lists(Part { top, packs, ..Part::new(frame) })];
+    (bounds, left_out)
 }
 
 /// What has been built so far, and what it is built in.

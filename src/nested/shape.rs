@@ -74,6 +74,13 @@ impl Default for Top {
 }
 
 impl Top {
+    /// A grid of one cell.
+    pub fn one(half: [f32; 3], slot: Slot) -> Self {
+        let (cell, per_unit) = (half.map(|h| 2.0 * h), half.map(|h| 0.5 / h));
+        let free = vec![if slot.count > 0 { 0 } else { u8::MAX }; 8];
+        Self { half, cell, per_unit, cells: [1; 3], free, slots: vec![slot] }
+    }
+
     /// Place of a cell in the grid, x varying fastest.
     #[inline(always)]
     pub fn index(&self, [x, y, z]: [i32; 3]) -> u32 {

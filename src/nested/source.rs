@@ -108,9 +108,11 @@ impl Source for Spheres<'_> {
         let mut spheres = [NO_SPHERE; 8];
         let spheres = &mut spheres[..prims.len()];
         (self.spheres)(prims, spheres);
-        SpherePack::new(prims.iter().zip(&*spheres).map(|(&prim, s)| {
-            (prim, self.frame.local(s.centre.as_dvec3()), f64::from(s.radius) * self.frame.scale)
-        }))
+        SpherePack::new(
+            prims.iter().zip(&*spheres).map(|(&prim, s)| {
+                (prim, self.frame.local(s.centre.as_dvec3()), f64::from(s.radius) * self.frame.scale)
+            }),
+        )
     }
 }
 

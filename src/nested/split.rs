@@ -123,7 +123,7 @@ fn dense_objects(boxes: &[Aabb], members: &[u32], whole: &Aabb) -> Vec<Vec<u32>>
     let (begin, per_unit) = (whole.min.as_dvec3(), DVec3::splat(PROBE as f64) / size);
     let place = |p: Vec3| {
         let p = (p.as_dvec3() - begin) * per_unit;
-        [p.x, p.y, p.z].map(|x| (x as usize).min(PROBE - 1))
+        [p.x, p.y, p.z].map(|x| (x as u32 as usize).min(PROBE - 1))
     };
     let index = |x: usize, y: usize, z: usize| (z * PROBE + y) * PROBE + x;
     let mut object = vec![EMPTY; PROBE * PROBE * PROBE];
