@@ -76,6 +76,10 @@ impl<P: AsRef<[Vec3]> + Send + Sync, T: AsRef<[[u32; 3]]> + Send + Sync> Geometr
         triangle::test(self, prim, &self.corners(prim), ray, prep, best);
     }
 
+    fn confirm(&self, prim: u32, ray: &Ray, prep: &TrianglePrep, best: &mut Best) {
+        triangle::confirm(self, prim, &self.corners(prim), ray, prep, best);
+    }
+
     fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> {
         triangle::locate(&self.corners(prim), ray)
     }

@@ -43,6 +43,13 @@ impl Geometry for Mixed {
         }
     }
 
+    fn confirm(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        match self.triangles.get(prim as usize) {
+            Some(corners) => triangle::confirm(self, prim, corners, ray, &prep.0, best),
+            None => self.test(prim, ray, prep, best),
+        }
+    }
+
     fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> {
         triangle::locate(self.triangles.get(prim as usize)?, ray)
     }

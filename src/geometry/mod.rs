@@ -61,6 +61,11 @@ pub trait Geometry: Send + Sync {
     /// The simplest implementation computes the parameter and calls [`Best::offer`].
     fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best);
 
+    /// As [`Geometry::test`], for primitives that a filter of the accelerator has let pass: without a filter of its own.
+    fn confirm(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        self.test(prim, ray, prep, best);
+    }
+
     /// Where `ray` meets `prim`, which it certainly does, in its range and first there: a parameter and a bound on its error.
     /// `None` if this is not known without a test. `ray` comes from [`Ray::intake`].
     fn locate(&self, _prim: u32, _ray: &Ray) -> Option<(f64, f64)> {
@@ -193,6 +198,10 @@ macro_rules! forward_geometry {
                 (**self).test(prim, ray, prep, best);
             }
             #[inline]
+            fn confirm(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+                (**self).confirm(prim, ray, prep, best);
+            }
+            #[inline]
             fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> { (**self).locate(prim, ray) }
             #[inline]
             fn round(&self, ray: &Ray, best: &Best) -> f32 { (**self).round(ray, best) }
@@ -238,6 +247,10 @@ where
     #[inline]
     fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
         self.as_slice().test(prim, ray, prep, best);
+    }
+    #[inline]
+    fn confirm(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best) {
+        self.as_slice().confirm(prim, ray, prep, best);
     }
     #[inline]
     fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> {

@@ -172,7 +172,7 @@ pub(super) fn locate(corners: &Triangle, ray: &Ray) -> Option<(f64, f64)> {
 /// `8 u * 6 * (greatest components of the three factors)`; [`BOUND`] adds a sixth for higher orders and the bound's own rounding. Values
 /// are multiples of 2^-447 below 2^390 for every finite input: nothing over- or underflows.
 #[inline(never)]
-fn confirm<G: Geometry + ?Sized>(
+pub(super) fn confirm<G: Geometry + ?Sized>(
     set: &G,
     prim: u32,
     corners: &Triangle,
@@ -360,6 +360,10 @@ impl Geometry for [Triangle] {
     #[inline]
     fn test(&self, prim: u32, ray: &Ray, prep: &TrianglePrep, best: &mut Best) {
         test(self, prim, &self[prim as usize], ray, prep, best);
+    }
+
+    fn confirm(&self, prim: u32, ray: &Ray, prep: &TrianglePrep, best: &mut Best) {
+        confirm(self, prim, &self[prim as usize], ray, prep, best);
     }
 
     fn locate(&self, prim: u32, ray: &Ray) -> Option<(f64, f64)> {

@@ -11,8 +11,11 @@ pub(super) trait Exact {
     /// As [`Exact::test`], of a primitive that certainly is the winner.
     fn settle(&mut self, prim: u32) -> Option<Known>;
 
-    /// The parameter at or beyond the winner's true one, infinite if there is none.
-    fn upper(&self) -> f64;
+    /// Makes a primitive the winner that certainly is, with its parameter and a bound on the error.
+    fn replace(&mut self, prim: u32, t: f64, err: f64) -> Option<Known>;
+
+    /// What is known of the winner's parameter, if there is a winner.
+    fn known(&self) -> Option<Known>;
 }
 
 /// A parameter of the ray, known to lie within two others.
@@ -37,19 +40,13 @@ impl<'a, G: Geometry> Tests<'a, G> {
     pub fn new(geometry: &'a G, ray: &Ray) -> Self {
         Self { geometry, ray: *ray, prep: None, best: Best::NONE }
     }
-
-    #[inline]
-    fn known(&self) -> Option<Known> {
-        let (t, err) = (self.best.t(), self.best.err());
-        self.best.is_hit().then_some(Known { lower: t - err, upper: t + err })
-    }
 }
 
 impl<G: Geometry> Exact for Tests<'_, G> {
     #[inline(never)]
     fn test(&mut self, prim: u32) -> Option<Known> {
         let prep = self.prep.get_or_insert_with(|| self.geometry.prepare(&self.ray));
-        self.geometry.test(prim, &self.ray, prep, &mut self.best);
+        self.geometry.confirm(prim, &self.ray, prep, &mut self.best);
         self.known()
     }
 
@@ -63,7 +60,14 @@ impl<G: Geometry> Exact for Tests<'_, G> {
         }
     }
 
-    fn upper(&self) -> f64 {
-        self.best.upper()
+    fn replace(&mut self, prim: u32, t: f64, err: f64) -> Option<Known> {
+        self.best.replace(t, err, prim);
+        self.known()
+    }
+
+    #[inline]
+    fn known(&self) -> Option<Known> {
+        let (t, err) = (self.best.t(), self.best.err());
+        self.best.is_hit().then_some(Known { lower: t - err, upper: t + err })
     }
 }

@@ -7,15 +7,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 #[repr(C, align(32))]
 pub(super) struct Row(pub [f32; 8]);
 
-impl Row {
-    /// The number that `f` has for each lane.
-    pub fn of(f: impl FnMut(usize) -> f32) -> Self {
-        Self(std::array::from_fn(f))
-    }
-}
-
-/// Eight f32 in registers. Every operation rounds as that of f32 does and none is fused with another, so that all
-/// implementations have the same bits.
+/// Eight f32 in registers. Every operation rounds as that of f32 does, so that all implementations have the same bits, but for
+/// [`Lanes::plus_product`] and [`Lanes::minus_product`]: these may round the product before it is added or not.
 pub(super) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -46,6 +39,12 @@ pub(super) trait Lanes:
     /// Square roots.
     fn sqrt(self) -> Self;
 
+    /// `self + a b`, rounded once or twice.
+    fn plus_product(self, a: Self, b: Self) -> Self;
+
+    /// `self - a b`, rounded once or twice.
+    fn minus_product(self, a: Self, b: Self) -> Self;
+
     /// Where this is less than `other`; false for a NaN.
     fn less(self, other: Self) -> Self::Mask;
 
@@ -70,6 +69,25 @@ pub(super) trait Lanes:
             }
         }
         !apart
+    }
+
+    /// The cells of a node seen along an octant of directions: bit `i` becomes bit `i` with the coordinates turned round of the
+    /// axes along which rays move backwards.
+    #[inline(always)]
+    fn mirrored(mut mask: u64, octant: usize) -> u64 {
+        if octant & 1 != 0 {
+            mask = (mask >> 1 & 0x5555_5555_5555_5555) | (mask & 0x5555_5555_5555_5555) << 1;
+            mask = (mask >> 2 & 0x3333_3333_3333_3333) | (mask & 0x3333_3333_3333_3333) << 2;
+        }
+        if octant & 2 != 0 {
+            mask = (mask >> 4 & 0x0f0f_0f0f_0f0f_0f0f) | (mask & 0x0f0f_0f0f_0f0f_0f0f) << 4;
+            mask = (mask >> 8 & 0x00ff_00ff_00ff_00ff) | (mask & 0x00ff_00ff_00ff_00ff) << 8;
+        }
+        if octant & 4 != 0 {
+            mask = (mask >> 16 & 0x0000_ffff_0000_ffff) | (mask & 0x0000_ffff_0000_ffff) << 16;
+            mask = mask.rotate_left(32);
+        }
+        mask
     }
 }
 
@@ -99,7 +117,23 @@ impl<S: Lanes> Vector<S> {
     /// The sum of the products of components.
     #[inline(always)]
     pub fn dot(&self, other: &Self) -> S {
-        self.x * other.x + self.y * other.y + self.z * other.z
+        (self.x * other.x).plus_product(self.y, other.y).plus_product(self.z, other.z)
+    }
+
+    /// The cross product.
+    #[inline(always)]
+    pub fn cross(&self, other: &Self) -> Self {
+        Self {
+            x: (self.y * other.z).minus_product(self.z, other.y),
+            y: (self.z * other.x).minus_product(self.x, other.z),
+            z: (self.x * other.y).minus_product(self.y, other.x),
+        }
+    }
+
+    /// The greatest size of a component.
+    #[inline(always)]
+    pub fn size(&self) -> S {
+        self.x.abs().max(self.y.abs()).max(self.z.abs())
     }
 
     /// The difference.
@@ -108,10 +142,14 @@ impl<S: Lanes> Vector<S> {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 
-    /// The point `s` times `direction` beyond this one.
+    /// This less `s` times `direction`.
     #[inline(always)]
-    pub fn beyond(&self, s: S, direction: &Self) -> Self {
-        Self { x: self.x + s * direction.x, y: self.y + s * direction.y, z: self.z + s * direction.z }
+    pub fn less_by(&self, s: S, direction: &Self) -> Self {
+        Self {
+            x: self.x.minus_product(s, direction.x),
+            y: self.y.minus_product(s, direction.y),
+            z: self.z.minus_product(s, direction.z),
+        }
     }
 }
 
@@ -175,6 +213,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn sqrt(self) -> Self {
         self.zip(self, |a, _| a.sqrt())
+    }
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        self - a * b
     }
     #[inline(always)]
     fn less(self, other: Self) -> u32 {

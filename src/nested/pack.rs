@@ -1,6 +1,6 @@
 //! Eight primitives at a time: which of them a ray may meet.
 
-use super::frame::Entry;
+use super::frame::Sight;
 use super::lanes::{Lanes, Vector};
 use crate::geometry::NO_PRIM;
 
@@ -9,25 +9,31 @@ use crate::geometry::NO_PRIM;
 pub(super) struct PackRay<S> {
     pub origin: Vector<S>,
     pub direction: Vector<S>,
-    /// A little less than 0: `s` of a hit is at least that.
+    /// Each coordinate of the origin is off by this at most.
+    pub fuzz: S,
+    /// At or before the `p` of the ray's begin.
     pub least: S,
-    /// A little more: what is met beyond it is in the ray's range for certain.
+    /// At or beyond it: what is met beyond this is in the ray's range for certain.
     pub begin: S,
     /// The inverse squared length of the direction.
     pub inverse_square: S,
+    /// 0 if the ray has no part before its origin, else minus infinity.
+    pub ahead: S,
 }
 
 impl<S: Lanes> PackRay<S> {
     /// Spreads the ray over lanes.
     #[inline(always)]
-    pub fn new(entry: &Entry) -> Self {
-        let [x, y, z] = entry.direction;
+    pub fn new(sight: &Sight) -> Self {
+        let [x, y, z] = sight.direction;
         Self {
-            origin: Vector::splat(&entry.origin),
-            direction: Vector::splat(&entry.direction),
-            least: S::splat(-entry.slack),
-            begin: S::splat(entry.slack),
+            origin: Vector::splat(&sight.origin),
+            direction: Vector::splat(&sight.direction),
+            fuzz: S::splat(sight.fuzz),
+            least: S::splat(sight.begin[0]),
+            begin: S::splat(sight.begin[1]),
             inverse_square: S::splat(1.0 / (x * x + y * y + z * z)),
+            ahead: S::splat(if sight.begin[1] > 0.0 { 0.0 } else { f32::NEG_INFINITY }),
         }
     }
 }
@@ -38,10 +44,46 @@ pub(super) struct Seen<S: Lanes> {
     /// Bit `i` is missing only if lane `i` holds no primitive, or one that the ray certainly misses, or meets certainly before
     /// its begin or beyond the end asked for.
     pub survivors: u32,
-    /// Where the primitive is certainly met by the ray's line, and first at an `s` within `s - bound ..= s + bound`.
+    /// Where the primitive is certainly met by the ray's line, and first within `p - bound ..= p + bound`.
     pub certain: S::Mask,
-    pub s: S,
+    pub p: S,
     pub bound: S,
+}
+
+impl<S: Lanes> Seen<S> {
+    /// Nothing survives.
+    #[inline(always)]
+    pub fn nothing() -> Self {
+        let zero = S::splat(0.0);
+        Self { survivors: 0, certain: zero.less(zero), p: zero, bound: zero }
+    }
+}
+
+/// What f64 knows of a ray and a primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Verdict {
+    /// It is certainly missed, or met out of range.
+    Miss,
+    /// It is certainly met, in range and first at a `p` within a bound of this one.
+    Hit { p: f64, bound: f64 },
+    /// Neither is certain.
+    Open,
+}
+
+impl Sight {
+    /// Of a primitive that the ray's line meets within `bound` of `p`, if at all; `certain` if it does. The answer to a NaN is
+    /// open.
+    #[inline(always)]
+    pub fn judge(&self, p: f64, bound: f64, end: f32, certain: bool) -> Verdict {
+        let (from, to) = (p - bound, p + bound);
+        if to < f64::from(self.begin[0]) || from > f64::from(end) {
+            Verdict::Miss
+        } else if certain && from > f64::from(self.begin[1]) && to < f64::from(self.end[0]) {
+            Verdict::Hit { p, bound }
+        } else {
+            Verdict::Open
+        }
+    }
 }
 
 /// Eight primitives of one kind.
@@ -49,8 +91,13 @@ pub(super) trait Pack: Clone + Send + Sync {
     /// False if nothing is ever certain.
     const CERTAIN: bool = true;
 
-    /// Looks for hits at an `s` of at most `end`.
+    /// Looks for hits at a `p` of at most `end`.
     fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S>;
+
+    /// Looks at one lane again, in f64 and for hits at a `p` of at most `end`.
+    fn judge(&self, _lane: usize, _sight: &Sight, _end: f32) -> Verdict {
+        Verdict::Open
+    }
 
     /// Indices in the geometry, one for each lane.
     fn prims(&self) -> &[u32; 8];
@@ -79,7 +126,7 @@ impl Pack for List {
             survivors |= u32::from(prim != NO_PRIM) << i;
         }
         let zero = S::splat(0.0);
-        Seen { survivors, certain: zero.less(zero), s: zero, bound: zero }
+        Seen { survivors, certain: zero.less(zero), p: zero, bound: zero }
     }
 
     #[inline(always)]

@@ -28,7 +28,7 @@ pub(super) trait Work {
 pub(super) enum Isa {
     /// Whatever the compiler may assume.
     Portable,
-    /// x86-64-v3 but for fused multiply-add, which the walk must not use.
+    /// x86-64-v3. What need not fuse products and sums does not: `a * b + c` in the source is two operations.
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Present),
 }
@@ -81,7 +81,7 @@ pub(super) mod avx2 {
     use crate::nested::lanes::{Lanes, Row};
     #[cfg(test)]
     use crate::nested::{
-        frame::Entry,
+        frame::Sight,
         pack::{Pack, PackRay},
     };
     use std::arch::x86_64::*;
@@ -95,6 +95,7 @@ pub(super) mod avx2 {
         /// Asks the processor.
         pub fn detect() -> Option<Self> {
             let present = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
                 && is_x86_feature_detected!("bmi1")
                 && is_x86_feature_detected!("bmi2")
                 && is_x86_feature_detected!("lzcnt")
@@ -110,7 +111,7 @@ pub(super) mod avx2 {
         unsafe { trace_here(shape, ray, any, exact) }
     }
 
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn trace_here(shape: &Shape, ray: &Ray, any: bool, exact: &mut dyn Exact) -> Outcome {
         walk::trace::<Avx2, ()>(shape, ray, any, exact, &mut ())
     }
@@ -122,32 +123,43 @@ pub(super) mod avx2 {
         unsafe { run_here(work) }
     }
 
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn run_here<W: Work>(work: W) -> W::Output {
         work.run::<Avx2>()
     }
 
     /// What a pack says of a ray, for the tests: survivors, which of them are certain, where, and within which bound.
     #[cfg(test)]
-    pub fn look<K: Pack>(_: Present, pack: &K, entry: &Entry) -> (u32, u32, Row, Row) {
-        #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-        fn here<K: Pack>(pack: &K, entry: &Entry) -> (u32, u32, Row, Row) {
-            let seen = pack.look(&PackRay::<Avx2>::new(entry), Avx2::splat(entry.end));
-            (seen.survivors, Avx2::bits(seen.certain) & seen.survivors, seen.s.row(), seen.bound.row())
+    pub fn look<K: Pack>(_: Present, pack: &K, sight: &Sight) -> (u32, u32, Row, Row) {
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+        fn here<K: Pack>(pack: &K, sight: &Sight) -> (u32, u32, Row, Row) {
+            let seen = pack.look(&PackRay::<Avx2>::new(sight), Avx2::splat(sight.end[1]));
+            (seen.survivors, Avx2::bits(seen.certain) & seen.survivors, seen.p.row(), seen.bound.row())
         }
         // SAFETY: there is a `Present`, so the processor has these instructions.
-        unsafe { here(pack, entry) }
+        unsafe { here(pack, sight) }
     }
 
     /// [`Lanes::crossed`], for the tests.
     #[cfg(test)]
     pub fn crossed(_: Present, axes: &[Row; 3]) -> u64 {
-        #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
         fn here(axes: &[Row; 3]) -> u64 {
             Avx2::crossed(axes)
         }
         // SAFETY: there is a `Present`, so the processor has these instructions.
         unsafe { here(axes) }
+    }
+
+    /// [`Lanes::mirrored`], for the tests.
+    #[cfg(test)]
+    pub fn mirrored(_: Present, mask: u64, octant: usize) -> u64 {
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+        fn here(mask: u64, octant: usize) -> u64 {
+            Avx2::mirrored(mask, octant)
+        }
+        // SAFETY: there is a `Present`, so the processor has these instructions.
+        unsafe { here(mask, octant) }
     }
 
     /// Eight f32 in a register.
@@ -160,6 +172,30 @@ pub(super) mod avx2 {
     /// A claim for each lane: all bits of it set or none.
     #[derive(Clone, Copy, Debug)]
     pub struct Mask(__m256);
+
+    /// For each octant: what becomes of the lower half of a byte of a node's mask, what of the upper half, and which byte comes to
+    /// each place.
+    static TURNS: [[[u8; 16]; 3]; 8] = turns();
+
+    const fn turns() -> [[[u8; 16]; 3]; 8] {
+        let mut turns = [[[0; 16]; 3]; 8];
+        let mut octant = 0;
+        while octant < 8 {
+            let mut i = 0;
+            while i < 16 {
+                let row = i as u8;
+                let turned = if octant & 1 != 0 { row.reverse_bits() >> 4 } else { row };
+                let (low, high) = if octant & 2 != 0 { (4, 0) } else { (0, 4) };
+                turns[octant][0][i] = turned << low;
+                turns[octant][1][i] = turned << high;
+                let swap = (octant >> 1 & 1) as u8 | if octant & 4 != 0 { 6 } else { 0 };
+                turns[octant][2][i] = if i < 8 { row ^ swap } else { 0x80 };
+                i += 1;
+            }
+            octant += 1;
+        }
+        turns
+    }
 
     macro_rules! operator {
         ($($trait:ident $method:ident $intrinsic:ident),*) => {$(
@@ -241,6 +277,16 @@ pub(super) mod avx2 {
             Self(unsafe { _mm256_sqrt_ps(self.0) })
         }
         #[inline(always)]
+        fn plus_product(self, a: Self, b: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_fmadd_ps(a.0, b.0, self.0) })
+        }
+        #[inline(always)]
+        fn minus_product(self, a: Self, b: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_fnmadd_ps(a.0, b.0, self.0) })
+        }
+        #[inline(always)]
         fn less(self, other: Self) -> Mask {
             // SAFETY: see above.
             Mask(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
@@ -249,6 +295,19 @@ pub(super) mod avx2 {
         fn bits(mask: Mask) -> u32 {
             // SAFETY: see above.
             unsafe { _mm256_movemask_ps(mask.0) as u32 }
+        }
+        /// Rows of cells are halves of bytes: two tables turn these round, and a third says where bytes go.
+        #[inline(always)]
+        fn mirrored(mask: u64, octant: usize) -> u64 {
+            let [low, high, place] = &TURNS[octant & 7];
+            // SAFETY: see above; tables have 16 bytes.
+            unsafe {
+                let table = |bytes: &[u8; 16]| _mm_loadu_si128(bytes.as_ptr().cast());
+                let (mask, half) = (_mm_cvtsi64_si128(mask as i64), _mm_set1_epi8(15));
+                let low = _mm_shuffle_epi8(table(low), _mm_and_si128(mask, half));
+                let high = _mm_shuffle_epi8(table(high), _mm_and_si128(_mm_srli_epi64::<4>(mask), half));
+                _mm_cvtsi128_si64(_mm_shuffle_epi8(_mm_or_si128(low, high), table(place))) as u64
+            }
         }
     }
 }

@@ -68,8 +68,8 @@ impl Source for Triangles<'_> {
         let mut corners = [[Vec3::ZERO; 3]; 8];
         let corners = &mut corners[..prims.len()];
         (self.corners)(prims, corners);
-        let local = |corners: &Triangle| corners.map(|p| self.frame.local(p.as_dvec3()));
-        TrianglePack::new(prims.iter().zip(&*corners).map(|(&prim, corners)| (prim, local(corners))))
+        let sized = |corners: &Triangle| corners.map(|p| self.frame.sized(p));
+        TrianglePack::new(prims.iter().zip(&*corners).map(|(&prim, corners)| (prim, sized(corners))))
     }
 }
 
@@ -108,11 +108,8 @@ impl Source for Spheres<'_> {
         let mut spheres = [NO_SPHERE; 8];
         let spheres = &mut spheres[..prims.len()];
         (self.spheres)(prims, spheres);
-        SpherePack::new(
-            prims.iter().zip(&*spheres).map(|(&prim, s)| {
-                (prim, self.frame.local(s.centre.as_dvec3()), f64::from(s.radius) * self.frame.scale)
-            }),
-        )
+        let radius = |s: &Sphere| (f64::from(s.radius) * self.frame.scale) as f32;
+        SpherePack::new(prims.iter().zip(&*spheres).map(|(&prim, s)| (prim, self.frame.sized(s.centre), radius(s))))
     }
 }
 

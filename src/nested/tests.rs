@@ -2,7 +2,7 @@
 
 use super::frame::{Entry, Frame, Start};
 use super::lanes::{Lanes, Portable, Row};
-use super::pack::{Pack, PackRay, Seen};
+use super::pack::{Pack, PackRay, Seen, Verdict};
 use super::spheres::SpherePack;
 use super::triangles::TrianglePack;
 use super::*;
@@ -101,39 +101,57 @@ fn entry(random: &mut Random, frame: &Frame) -> Option<(Ray, Entry)> {
     }
     let distance = [0.0, 3.0, 1e4][random.next() as usize % 3];
     let ray = Ray::new(random.in_cube() * 0.9 - direction * distance, direction).intake()?;
-    match frame.enter(&ray, f64::INFINITY) {
+    match frame.enter(&ray, None) {
         Start::Inside(entry) => Some((ray, entry)),
         _ => None,
     }
 }
 
-/// What packs say, in portable code and by the processor's instructions, against the exact tests one by one.
-fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &Frame, packs: &[K]) -> [usize; 3] {
-    let mut seen = [0; 3];
+/// What packs say, in portable code, by the processor's instructions and in f64, against the exact tests one by one.
+fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &Frame, packs: &[K]) -> [usize; 5] {
+    let mut seen = [0; 5];
     for _ in 0..1500 {
         let Some((ray, entry)) = entry(random, frame) else { continue };
+        let sight = &entry.sight;
         for pack in packs {
-            let portable = PackRay::<Portable>::new(&entry);
-            let Seen { survivors, certain, s, bound } = pack.look(&portable, Portable::splat(entry.end));
-            let (certain, s, bound) = (Portable::bits(certain) & survivors, s.row(), bound.row());
+            let portable = PackRay::<Portable>::new(sight);
+            let Seen { survivors, certain, p, bound } = pack.look(&portable, Portable::splat(sight.end[1]));
+            let mut answers = vec![(survivors, Portable::bits(certain) & survivors, p.row(), bound.row())];
             #[cfg(target_arch = "x86_64")]
             if let Isa::Avx2(present) = Isa::detect() {
-                assert_eq!(simd::avx2::look(present, pack, &entry), (survivors, certain, s, bound), "{ray:?}");
+                answers.push(simd::avx2::look(present, pack, sight));
             }
             for (lane, &prim) in pack.prims().iter().enumerate().filter(|(_, prim)| **prim != NO_PRIM) {
                 let mut best = Best::NONE;
                 geometry.test(prim, &ray, &geometry.prepare(&ray), &mut best);
-                let bit = |mask: u32| mask >> lane & 1 != 0;
-                assert!(bit(survivors) || !best.is_hit(), "{ray:?} meets {prim}, which was rejected");
-                if bit(certain) && s.0[lane] - bound.0[lane] > entry.slack {
-                    assert!(best.is_hit(), "{ray:?} misses {prim}, which was certain");
-                    let from = entry.before(best.t()).max(s.0[lane] - bound.0[lane]);
-                    let to = entry.beyond(best.t()).min(s.0[lane] + bound.0[lane]);
-                    assert!(from <= to, "{ray:?}: {prim} at {}, not {} +- {}", best.t(), s.0[lane], bound.0[lane]);
-                    seen[2] += 1;
+                let about = || format!("{ray:?}: {prim} at {} +- {}", best.t(), best.err());
+                let ([lower, _], [_, upper]) =
+                    (entry.around(best.t() - best.err()), entry.around(best.t() + best.err()));
+                for (survivors, certain, Row(p), Row(bound)) in &answers {
+                    let bit = |mask: &u32| mask >> lane & 1 != 0;
+                    let (from, to) = (p[lane] - bound[lane], p[lane] + bound[lane]);
+                    assert!(bit(survivors) || !best.is_hit(), "{} was rejected", about());
+                    if bit(certain) && from > sight.begin[1] && to < sight.end[0] {
+                        assert!(best.is_hit(), "{} is missed but was certain", about());
+                        assert!(from <= upper && lower <= to, "{}, not in {from} to {to}", about());
+                        seen[2] += 1;
+                    }
+                    seen[1] += usize::from(!bit(survivors));
                 }
                 seen[0] += usize::from(best.is_hit());
-                seen[1] += usize::from(!bit(survivors));
+                match pack.judge(lane, sight, sight.end[1]) {
+                    Verdict::Miss => {
+                        assert!(!best.is_hit(), "{} was rejected in f64", about());
+                        seen[3] += 1;
+                    }
+                    Verdict::Hit { p, bound } => {
+                        let (t, err) = entry.parameter(p, bound);
+                        assert!(best.is_hit(), "{} is missed but was certain in f64", about());
+                        assert!((t - best.t()).abs() <= err + best.err(), "{}, not at {t} +- {err}", about());
+                        seen[4] += 1;
+                    }
+                    Verdict::Open => {}
+                }
             }
         }
     }
@@ -148,29 +166,27 @@ fn packs_reject_and_accept_only_what_is_certain() {
         let around = |bounds: &dyn Fn(u32) -> Aabb| (0..64).fold(Aabb::EMPTY, |all, i| all.union(&bounds(i)));
         let frame = Frame::new(&around(&|i| triangles.bounds(i)));
         let pack = |at: usize| {
-            let corners = |i: usize| triangles[i].map(|p| frame.local(p.as_dvec3()));
-            TrianglePack::new((at..(at + 8).min(61)).map(|i| (i as u32, corners(i))))
+            TrianglePack::new((at..(at + 8).min(61)).map(|i| (i as u32, triangles[i].map(|p| frame.sized(p)))))
         };
         let packs: Vec<_> = (0..8).map(|i| pack(8 * i)).collect();
-        let [hits, rejected, certain] = check_packs(&mut random, &triangles, &frame, &packs);
+        let [hits, rejected, certain, missed, met] = check_packs(&mut random, &triangles, &frame, &packs);
         assert!(
-            rejected > 50_000 && (size < 1.0 || (hits > 1000 && certain > 1000)),
-            "{size}: {hits} {rejected} {certain}"
+            rejected > 100_000 && missed > 10_000 && (size < 1.0 || (hits > 1000 && certain > 1000 && met > 500)),
+            "{size}: {hits} {rejected} {certain} {missed} {met}"
         );
 
         let spheres: Vec<Sphere> =
             triangles.iter().map(|t| Sphere { centre: t[0], radius: random.unit() * size * 0.5 }).collect();
         let frame = Frame::new(&around(&|i| spheres.bounds(i)));
         let pack = |at: usize| {
-            let ball =
-                |i: usize| (frame.local(spheres[i].centre.as_dvec3()), f64::from(spheres[i].radius) * frame.scale);
-            SpherePack::new((at..(at + 8).min(61)).map(|i| (i as u32, ball(i).0, ball(i).1)))
+            let radius = |i: usize| (f64::from(spheres[i].radius) * frame.scale) as f32;
+            SpherePack::new((at..(at + 8).min(61)).map(|i| (i as u32, frame.sized(spheres[i].centre), radius(i))))
         };
         let packs: Vec<_> = (0..8).map(|i| pack(8 * i)).collect();
-        let [hits, rejected, certain] = check_packs(&mut random, &spheres, &frame, &packs);
+        let [hits, rejected, certain, missed, met] = check_packs(&mut random, &spheres, &frame, &packs);
         assert!(
-            rejected > 50_000 && (size < 1.0 || (hits > 1000 && certain > 1000)),
-            "{size}: {hits} {rejected} {certain}"
+            rejected > 100_000 && missed > 10_000 && (size < 1.0 || (hits > 1000 && certain > 1000 && met > 500)),
+            "{size}: {hits} {rejected} {certain} {missed} {met}"
         );
     }
 }
@@ -200,6 +216,15 @@ fn instruction_sets_see_the_same_cells() {
             in_all += cells.count_ones();
         }
         assert!(in_all > 20_000, "{in_all}");
+        for _ in 0..2000 {
+            let mask = random.next();
+            for octant in 0..8 {
+                let turned = simd::avx2::mirrored(present, mask, octant);
+                assert_eq!(turned, Portable::mirrored(mask, octant), "{mask:x}, {octant}");
+                let flip = [0, 3, 12, 15, 48, 51, 60, 63][octant];
+                assert!((0..64).all(|bit| turned >> bit & 1 == mask >> (bit ^ flip) & 1), "{mask:x}, {octant}");
+            }
+        }
     }
 }
 

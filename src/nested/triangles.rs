@@ -1,150 +1,154 @@
-//! Packs of eight triangles, each as three affine functions: distance from its plane and two barycentric coordinates.
+//! Packs of eight triangles: the test of Möller and Trumbore with bounds on its errors.
 //!
-//! After S. Woop, "A ray tracing hardware architecture for dynamic scenes", 2004: a triangle is the map that turns it into the
-//! unit triangle. Departs from it: the map's rows are kept as a unit normal and two gradients, so that one bound on the error
-//! holds for all three barycentric coordinates, and only certain misses are rejected and certain hits accepted.
+//! After T. Möller and B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997. Departs from it: nothing is decided
+//! that rounding leaves open. What is certainly missed is rejected, what is certainly hit is accepted with an interval of its
+//! parameter, and the rest survives, to be tested exactly.
 
+use super::frame::Sight;
 use super::lanes::{Lanes, Row, Vector};
-use super::pack::{Pack, PackRay, Seen, padded};
-use glam::DVec3;
+use super::pack::{Pack, PackRay, Seen, Verdict, padded};
+use crate::ray::{greater, lesser};
+use glam::{DVec3, Vec3};
 
-/// Eight triangles in a part's coordinates.
+/// Eight triangles in the part's unit, from the world's origin: their corners exactly.
 ///
-/// With the unit normal `n`, the plane is `n . x = n0`; the barycentric coordinates of the second and third corner are
-/// `u = a . x + a0` and `v = b . x + b0`, that of the first is `1 - u - v`.
+/// With `c` the first corner seen from the ray's origin, `e1` and `e2` the edges from it to the others, `d` the direction and `D = d .
+/// (e1 x e2)`, the ray meets the plane at `p = c . (e1 x e2) / D` in the point with the barycentric coordinates `U / D`, `V / D`
+/// and `W / D`, where `U = (c x d) . e2`, `V = -(c x d) . e1` and `W = D - U - V`. It meets the triangle if `U`, `V`, `W` have
+/// the same sign.
 ///
-/// What a ray that meets the triangle must look like, with `e = 2^-24`: coordinates of its points are at most 1, `s` at most 4,
-/// its origin is off by `1.1 e` an axis and its direction by `e / 2` (see [`super::frame`]), and `|n|_1`, the sum of the
-/// components' sizes, is at most 1.74.
+/// With `e = 2^-24`, `K` the greatest component of `c` and `L` of all edges, `f` the [fuzz](PackRay::fuzz) of the origin, components of
+/// `d` of at most 1, and every operation rounded:
 ///
-/// - `D = n . d` is off by `1.74 (1 + 1/2 + 3) e < 8 e` (rounding of `n`; the direction; the sum), `N = n0 - n . o` by
-///   `1.74 (1 + 1 + 1.1 + 3 + 2) e < 15 e` (`n0`; `n`; the origin; the sum; the difference).
-/// - With the true `s`, `N / D - s = (dN - s dD) / D`: at most `(15 + 4 * 8) e / |D|`, where `D` is the computed one. Rounding
-///   of the inverse and of the product adds `2 e s <= 8 e <= 14 e / |D|`. So `s` is known within `61 e q` with `q = 1 / |D|`.
-/// - A coordinate of the point at `s` is off by that, and by `(1.1 + 2 + 2 + 1) e` (origin; direction; product; sum), in all less
-///   than `(61 + 1.74 * 7) e q`. With `A = |a|_1`, `u` is off by `A` times that and by `A (2 * 5) e` (rounding of `a` and `a0`, which is
-///   at most `A`; the sums): less than `A (61 + 1.74 * 17) e q < 91 A e q`. For `1 - u - v` errors add up, with two roundings more.
+/// - `c` is off by `e K + f` a component, the edges by `e L`, `c x d` by `2 (e K + f) + 4 e K`, and is `2 K` at most.
+/// - `U` and `V`: `3 L (6 e K + 2 f)` of the cross product, `6 e K L` of the edge, `6 + 10` of products and sums: `40 e K L + 6 f L`.
+/// - `e1 x e2` is off by `8 e L^2`, `D` by three times that and `16 e L^2` of products and sums: `40 e L^2`.
+/// - `W`: the sum of these, and `12 e L^2 + 18 e K L` for two differences: `98 e K L + 52 e L^2 + 12 f L`.
+/// - `c . (e1 x e2)`: `24 e L^2 K` of the cross product, `6 L^2 (e K + f)` of `c`, `16 e L^2 K` of products and sums: `46 e L^2 K + 6 f L^2`.
 ///
-/// So a ray whose smallest barycentric coordinate is below minus the bound, or whose interval of `s` is out of range, misses.
-/// For a certain hit the same bounds are asked of computed values: where `8 e q` is at most an eighth and `s` in range, `s`
-/// is known within `(15 + 4.2 * 8) 8/7 e q + 15 e q < 71 e q` and `u` within `101 A e q`, whatever the true values are; so a ray
-/// whose smallest coordinate is above the bound meets the triangle. [`S_BOUND`] is 80, and twice that for certain hits;
-/// [`BARYCENTRIC_BOUND`] is 112, times the sum of both gradients.
+/// [`SIDE`] `(K + L) L + 14 f L` is more than the bounds of `U`, `V` and `W` by a fourteenth, which is far more than the terms of higher
+/// order. If two of them have opposite signs for certain, the ray misses; if all three have the same for certain, it hits.
 ///
-/// `D = 0` makes `q` infinite and every comparison false: such a lane survives. Nothing else overflows: components of `n` and
-/// of the gradients are 0 or above [`TINY`] times the greatest one and directions above 2^-26, so that `|D|` is 0 or above 2^-91, and
-/// gradients above 2^30 are not kept, nor are those of triangles whose sine of the smallest angle is so small, below 2^-20,
-/// that f64 would get them wrong by more than 2^-30: their bound is infinite.
+/// Where `|D|` is above eight times its bound, the quotient `p` is off by `8/7 (46 e L^2 K + 6 f L^2 + 40 e L^2 |p|) / |D|`, and by
+/// `3 e |p|` for the division and for adding the bound to it: with `|D| <= 6 L^2` that is less than another `18 e L^2 |p| / |D|`. Hence [`HEIGHT`], [`DEPTH`]
+/// and `7 f`; where `|D|` is less, the interval says nothing.
+///
+/// Numbers are below 2^28, so that nothing overflows, and [`TINY`] is more than what underflow takes away. A lane that holds no
+/// triangle has corners in one point and `L` minus infinity, which makes its bound minus infinity: it is always missed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrianglePack {
-    n: [Row; 3],
-    n0: Row,
-    a: [Row; 3],
-    a0: Row,
-    b: [Row; 3],
-    b0: Row,
-    /// [`BARYCENTRIC_BOUND`] `(|a|_1 + |b|_1)`.
-    bound: Row,
+    corners: [[Row; 3]; 3],
+    /// `L`.
+    longest: Row,
     prims: [u32; 8],
 }
 
 const E: f32 = 1.0 / 16_777_216.0;
-const S_BOUND: f32 = 80.0 * E;
-const BARYCENTRIC_BOUND: f64 = 112.0 * E as f64;
-const TINY: f64 = 1.0 / (1u64 << 40) as f64;
+const SIDE: f32 = 112.0 * E;
+const HEIGHT: f32 = 56.0 * E;
+const DEPTH: f32 = 72.0 * E;
+const TINY: f32 = 1e-36;
 
-/// One triangle's rows.
-#[derive(Clone, Copy)]
-struct Map {
-    n: [f32; 3],
-    n0: f32,
-    a: [f32; 3],
-    a0: f32,
-    b: [f32; 3],
-    b0: f32,
-    bound: f32,
-}
+/// From roundings of f32 to those of f64.
+const DOUBLE: f64 = 1.0 / (1 << 29) as f64;
+/// More than what underflow of inputs takes away.
+const LEAST: f64 = 1e-40;
 
-impl Map {
-    /// A lane that holds none: `u` is -1 wherever the ray goes, and `D` is never 0.
-    const NONE: Map = Map { n: [1.0, 0.0, 0.0], n0: 0.0, a: [0.0; 3], a0: -1.0, b: [0.0; 3], b0: -1.0, bound: 0.0 };
-
-    /// A lane that always survives.
-    const OPEN: Map = Map { n0: 1.0, n: [0.0; 3], a0: 0.0, b0: 0.0, bound: f32::INFINITY, ..Map::NONE };
-
-    /// The map of a triangle with these corners.
-    fn of(corners: &[DVec3; 3]) -> Self {
-        let [p, q, r] = *corners;
-        let (e1, e2) = (q - p, r - p);
-        let n = e1.cross(e2);
-        let square = n.length_squared();
-        let size = square.sqrt();
-        let longest = e1.length().max(e2.length()).max((r - q).length());
-        let (a, b) = (e2.cross(n) / square, n.cross(e1) / square);
-        let sum = |v: DVec3| v.abs().element_sum();
-        let gradients = sum(a) + sum(b);
-        // Written so that a NaN leaves the lane open.
-        let sound = size > longest * longest / 1_048_576.0 && gradients < 1_073_741_824.0;
-        if !sound {
-            return Self::OPEN;
-        }
-        let n = n / size;
-        let rounded = |v: DVec3| {
-            let least = v.abs().max_element() * TINY;
-            v.to_array().map(|x| if x.abs() < least { 0.0 } else { x as f32 })
-        };
-        Self {
-            n: rounded(n),
-            n0: n.dot(p) as f32,
-            a: rounded(a),
-            a0: -a.dot(p) as f32,
-            b: rounded(b),
-            b0: -b.dot(p) as f32,
-            // f32 rounds it by less than there is to spare.
-            bound: (BARYCENTRIC_BOUND * gradients) as f32,
-        }
-    }
+/// The greatest size of a component.
+#[inline(always)]
+fn greatest(v: DVec3) -> f64 {
+    let v = v.abs();
+    greater(v.x, greater(v.y, v.z))
 }
 
 impl TrianglePack {
     /// At most eight triangles, with their indices.
-    pub fn new(triangles: impl ExactSizeIterator<Item = (u32, [DVec3; 3])> + Clone) -> Self {
-        let mut maps = [Map::NONE; 8];
-        maps.iter_mut().zip(triangles.clone()).for_each(|(map, (_, corners))| *map = Map::of(&corners));
-        let rows = |f: fn(&Map) -> [f32; 3]| [0, 1, 2].map(|axis| Row::of(|i| f(&maps[i])[axis]));
-        let row = |f: fn(&Map) -> f32| Row::of(|i| f(&maps[i]));
-        Self {
-            n: rows(|m| m.n),
-            n0: row(|m| m.n0),
-            a: rows(|m| m.a),
-            a0: row(|m| m.a0),
-            b: rows(|m| m.b),
-            b0: row(|m| m.b0),
-            bound: row(|m| m.bound),
-            prims: padded(triangles.map(|(prim, _)| prim)),
+    pub fn new(triangles: impl Iterator<Item = (u32, [Vec3; 3])>) -> Self {
+        let none = Row([0.0; 8]);
+        let mut pack =
+            Self { corners: [[none; 3]; 3], longest: Row([f32::NEG_INFINITY; 8]), prims: padded(std::iter::empty()) };
+        for (lane, (prim, corners)) in triangles.take(8).enumerate() {
+            let [a, b, c] = corners;
+            for (rows, corner) in pack.corners.iter_mut().zip(corners) {
+                for (axis, row) in rows.iter_mut().enumerate() {
+                    row.0[lane] = corner[axis];
+                }
+            }
+            let longest = (b - a).abs().max((c - a).abs()).max_element();
+            // Rounded up by more than the rounding of the differences.
+            pack.longest.0[lane] = longest * (1.0 + 4.0 * E);
+            pack.prims[lane] = prim;
         }
+        pack
     }
 }
 
 impl Pack for TrianglePack {
     #[inline(always)]
     fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S> {
-        let n = Vector::<S>::of(&self.n);
-        let inverse = S::splat(1.0) / n.dot(&ray.direction);
-        let s = (S::of(&self.n0) - n.dot(&ray.origin)) * inverse;
-        let at = ray.origin.beyond(s, &ray.direction);
-        let u = Vector::of(&self.a).dot(&at) + S::of(&self.a0);
-        let v = Vector::of(&self.b).dot(&at) + S::of(&self.b0);
-        let q = inverse.abs();
-        let inside = u.min(v).min(S::splat(1.0) - u - v);
-        let margin = S::of(&self.bound) * q;
-        let bound = S::splat(S_BOUND) * q;
-        let misses = (inside + margin).less(S::splat(0.0)) | end.less(s - bound) | (s + bound).less(ray.least);
+        let a = Vector::<S>::of(&self.corners[0]);
+        let c = a.minus(&ray.origin);
+        // The first edge backwards, which saves changes of sign.
+        let e1 = a.minus(&Vector::of(&self.corners[1]));
+        let e2 = Vector::of(&self.corners[2]).minus(&a);
+        let longest = S::of(&self.longest);
+        let across = c.cross(&ray.direction);
+        let normal = e2.cross(&e1);
+        let (u, v) = (across.dot(&e2), across.dot(&e1));
+        let determinant = normal.dot(&ray.direction);
+        let w = determinant - u - v;
+        let (low, high) = (u.min(v).min(w), u.max(v).max(w));
+        let away = c.size();
+        let reach = (S::splat(14.0) * ray.fuzz).plus_product(away + longest.abs(), S::splat(SIDE));
+        let bound = S::splat(TINY).plus_product(longest, reach);
+        let below = S::splat(0.0) - bound;
+        let outside = bound.less(high) & low.less(below);
+        let left = !S::bits(outside) & 0xff;
+        if left == 0 {
+            return Seen::nothing();
+        }
+        let inverse = S::splat(1.0) / determinant;
+        let p = c.dot(&normal) * inverse;
+        let square = longest * longest;
+        let depth = square * S::splat(DEPTH);
+        let height =
+            S::splat(TINY).plus_product(square, (S::splat(7.0) * ray.fuzz).plus_product(away, S::splat(HEIGHT)));
+        let steep = (S::splat(8.0) * depth).less(determinant.abs());
+        let margin = height.plus_product(p.abs(), depth) * inverse.abs();
+        let out_of_range = steep & (end.less(p - margin) | (p + margin).less(ray.least));
         Seen {
-            survivors: !S::bits(misses) & 0xff,
-            certain: margin.less(inside) & bound.less(S::splat(0.5)),
-            s,
-            bound: bound + bound,
+            survivors: left & !S::bits(out_of_range),
+            certain: steep & (bound.less(low) | high.less(below)),
+            p,
+            bound: margin,
+        }
+    }
+
+    /// The same test with the same bounds, `e` being 2^-53, from the ray's own origin: all inputs are exact.
+    #[inline(never)]
+    fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
+        let corner = |i: usize| DVec3::from_array(self.corners[i].each_ref().map(|row| f64::from(row.0[lane])));
+        let d = DVec3::from_array(sight.direction.map(f64::from));
+        let a = corner(0);
+        let (c, e1, e2) = (a - sight.own, a - corner(1), corner(2) - a);
+        let (across, normal) = (c.cross(d), e2.cross(e1));
+        let (u, v, determinant) = (across.dot(e2), across.dot(e1), normal.dot(d));
+        let w = determinant - u - v;
+        let (longest, away) = (f64::from(self.longest.0[lane]), greatest(c));
+        let side = longest * (DOUBLE * f64::from(SIDE) * (away + longest)) + LEAST;
+        let (low, high) = (lesser(u, lesser(v, w)), greater(u, greater(v, w)));
+        if high > side && low < -side {
+            return Verdict::Miss;
+        }
+        let square = longest * longest;
+        let depth = square * (DOUBLE * f64::from(DEPTH));
+        let from_own = c.dot(normal) / determinant;
+        let height = square * (away * (DOUBLE * f64::from(HEIGHT))) + LEAST;
+        let bound = (height + from_own.abs() * depth) / determinant.abs();
+        if 8.0 * depth < determinant.abs() {
+            sight.judge(from_own - sight.start, bound, end, low > side || high < -side)
+        } else {
+            Verdict::Open
         }
     }
 

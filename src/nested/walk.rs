@@ -3,10 +3,9 @@
 use super::exact::{Exact, Known};
 use super::frame::{Entry, Start};
 use super::lanes::{Lanes, Portable, Row};
-use super::pack::{Pack, PackRay, Seen};
+use super::pack::{Pack, PackRay, Seen, Verdict};
 use super::shape::{AnyPart, Node, Part, Shape, Slot, Top};
 use crate::accel::{Counts, Probe};
-use crate::geometry::NO_PRIM;
 use crate::ray::Ray;
 
 /// How the trace of a ray ended.
@@ -31,6 +30,9 @@ pub(super) fn trace_counted(
     trace::<Portable, _>(shape, ray, any, exact, counts)
 }
 
+/// More than the rounding of a parameter to f32, relative to it.
+const EASE: f64 = 1.0 / (1 << 23) as f64;
+
 /// Nodes above one another at most: cells are not cut below [`super::build::LEAST_CELL`].
 const DEPTH: usize = 12;
 
@@ -43,14 +45,14 @@ pub(super) fn trace<S: Lanes, P: Probe>(
     exact: &mut dyn Exact,
     probe: &mut P,
 ) -> Outcome {
-    let mut upper = f64::INFINITY;
+    let mut winner = None;
     for part in &shape.parts {
         let frame = match part {
             AnyPart::Triangles(part) => &part.frame,
             AnyPart::Spheres(part) => &part.frame,
             AnyPart::Lists(part) => &part.frame,
         };
-        let entry = match frame.enter(ray, upper) {
+        let entry = match frame.enter(ray, winner) {
             Start::Miss => continue,
             Start::TooFar => return Outcome::TooFar,
             Start::Inside(entry) => entry,
@@ -64,7 +66,7 @@ pub(super) fn trace<S: Lanes, P: Probe>(
             return Outcome::Hit;
         }
         if shape.parts.len() > 1 {
-            upper = exact.upper();
+            winner = exact.known();
         }
     }
     Outcome::Done
@@ -80,17 +82,16 @@ struct Trace<'a, S, K, P> {
     ray: PackRay<S>,
     /// The part seen along the ray: signs are changed so that the ray moves forwards along every axis.
     origin: [f32; 3],
-    inverse: [f32; 3],
-    /// Changes the sign of the axes along which the ray moves backwards.
-    sign: [f32; 3],
     /// Bit `a` is set if the ray moves backwards along axis `a`.
     octant: usize,
-    /// At or beyond the winner, or the ray's end: beyond this nothing is of interest.
+    /// The `s` at or beyond the winner, or the ray's end: beyond this nothing is of interest.
     end: f32,
-    /// At or before the winner and the ray's end.
+    /// That in the packs' `p`.
+    limit: f32,
+    /// The `p` at or before the winner and the ray's end.
     sure: f32,
-    /// The winner if it has not been tested exactly, else [`NO_PRIM`].
-    pending: u32,
+    /// The winner, as a lane of a pack, if its parameter is known to f32 only.
+    pending: Option<(&'a K, usize)>,
     /// True if there is a winner that has been, or one that need not be.
     found: bool,
 }
@@ -192,7 +193,7 @@ impl Place {
 impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
     fn new(part: &'a Part<K>, entry: &Entry, any: bool, exact: &'a mut dyn Exact, probe: &'a mut P) -> Self {
-        let (d, sign) = (entry.direction, entry.sign);
+        let sign = entry.sign;
         let mut origin = [0.0; 3];
         for a in 0..3 {
             origin[a] = entry.origin[a] * sign[a];
@@ -203,14 +204,13 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             any,
             exact,
             probe,
-            ray: PackRay::new(entry),
+            ray: PackRay::new(&entry.sight),
             origin,
-            inverse: entry.inverse,
-            sign,
-            octant: usize::from(d[0] < 0.0) | usize::from(d[1] < 0.0) << 1 | usize::from(d[2] < 0.0) << 2,
+            octant: usize::from(sign[0] < 0.0) | usize::from(sign[1] < 0.0) << 1 | usize::from(sign[2] < 0.0) << 2,
             end: entry.end,
-            sure: entry.end - 2.0 * entry.slack,
-            pending: NO_PRIM,
+            limit: entry.sight.end[1],
+            sure: entry.sight.end[0],
+            pending: None,
             found: false,
         }
     }
@@ -233,7 +233,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
         let count = top.slots.len();
         let free = &top.free[self.octant * count..][..count];
-        let mut at = Place::new(top, &self.origin, &self.inverse, self.octant);
+        let mut at = Place::new(top, &self.origin, &self.entry.inverse, self.octant);
         let mut s = 0.0;
         loop {
             self.probe.step();
@@ -274,9 +274,10 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     /// The packs of a cell that the ray leaves at `far`.
     #[inline(always)]
     fn test(&mut self, slot: Slot, far: f32) -> Next {
-        for pack in &self.part.packs[slot.first as usize..][..slot.count as usize] {
+        let part: &'a Part<K> = self.part;
+        for pack in &part.packs[slot.first as usize..][..slot.count as usize] {
             self.probe.leaf();
-            let seen = pack.look::<S>(&self.ray, S::splat(self.end));
+            let seen = pack.look::<S>(&self.ray, S::splat(self.limit));
             if seen.survivors != 0 && self.meet(pack, &seen) {
                 return Next::Nothing;
             }
@@ -286,8 +287,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
 
     /// What survives of a pack; true if that is all the ray wants.
     #[inline(always)]
-    fn meet(&mut self, pack: &K, seen: &Seen<S>) -> bool {
-        let (from, to) = (seen.s - seen.bound, seen.s + seen.bound);
+    fn meet(&mut self, pack: &'a K, seen: &Seen<S>) -> bool {
+        let (from, to) = (seen.p - seen.bound, seen.p + seen.bound);
         let in_range = to.less(S::splat(self.sure)) & self.ray.begin.less(from);
         let certain = if K::CERTAIN { S::bits(seen.certain & in_range) } else { 0 };
         if self.any && certain != 0 {
@@ -300,13 +301,30 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             let lane = survivors.trailing_zeros() as usize & 7;
             survivors &= survivors - 1;
             let prim = pack.prims()[lane];
-            if K::CERTAIN && certain >> lane & 1 != 0 {
-                if to[lane] < self.sure {
+            let known = if K::CERTAIN && certain >> lane & 1 != 0 {
+                Some((from[lane], to[lane]))
+            } else {
+                match pack.judge(lane, &self.entry.sight, self.limit) {
+                    Verdict::Miss => continue,
+                    Verdict::Hit { p, bound } => {
+                        let ease = bound + EASE * p.abs();
+                        Some(((p - ease) as f32, (p + ease) as f32))
+                    }
+                    Verdict::Open => None,
+                }
+            };
+            if let Some((from, to)) = known {
+                if self.any {
+                    self.found = true;
+                    return true;
+                }
+                if to < self.sure {
                     // Before all that was met so far: the winner, whose exact parameter can wait.
-                    (self.pending, self.end, self.sure) = (prim, to[lane], from[lane]);
+                    (self.pending, self.limit, self.sure) = (Some((pack, lane)), to, from);
+                    self.end = least(self.end, self.entry.walked(self.limit));
                     continue;
                 }
-                if from[lane] > self.end {
+                if from > self.limit {
                     continue;
                 }
             }
@@ -319,13 +337,21 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         false
     }
 
-    /// Tests the winner that waits, if one does.
+    /// Finds the parameter of the winner that waits, if one does.
     #[inline(always)]
     fn settle(&mut self) {
-        let pending = std::mem::replace(&mut self.pending, NO_PRIM);
-        if pending != NO_PRIM {
-            self.probe.test();
-            let known = self.exact.settle(pending);
+        if let Some((pack, lane)) = self.pending.take() {
+            let prim = pack.prims()[lane];
+            let known = match pack.judge(lane, &self.entry.sight, f32::INFINITY) {
+                Verdict::Hit { p, bound } => {
+                    let (t, err) = self.entry.parameter(p, bound);
+                    self.exact.replace(prim, t, err)
+                }
+                _ => {
+                    self.probe.test();
+                    self.exact.settle(prim)
+                }
+            };
             self.know(known);
         }
     }
@@ -343,8 +369,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     fn know(&mut self, known: Option<Known>) {
         if let Some(Known { lower, upper }) = known {
             self.found = true;
-            self.end = least(self.end, self.entry.beyond(upper));
-            self.sure = least(self.sure, self.entry.before(lower));
+            self.limit = least(self.limit, self.entry.around(upper)[1]);
+            self.sure = least(self.sure, self.entry.around(lower)[0]);
+            self.end = least(self.end, self.entry.walked(self.limit));
         }
     }
 
@@ -367,7 +394,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             self.probe.step();
             let node = &self.part.nodes[index as usize];
             let axes = self.crossings(node, near, far);
-            let mut cells = S::crossed(&axes) & mirrored(node.mask, self.octant) & part_of_node;
+            let mut cells = S::crossed(&axes) & S::mirrored(node.mask, self.octant) & part_of_node;
             // Turns the coordinates round of the axes along which the ray moves backwards.
             let flip = FLIPS[self.octant & 7];
             let deeper = loop {
@@ -429,32 +456,13 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     /// Where the ray crosses planes of an axis, given in cells from the node's centre.
     #[inline(always)]
     fn crossings_of(&self, node: &Node, planes: S, axis: usize) -> S {
-        let at = S::splat(node.centre[axis] * self.sign[axis]) + planes * S::splat(node.cell[axis]);
-        (at - S::splat(self.origin[axis])) * S::splat(self.inverse[axis])
+        let at = S::splat(node.centre[axis] * self.entry.sign[axis]) + planes * S::splat(node.cell[axis]);
+        (at - S::splat(self.origin[axis])) * S::splat(self.entry.inverse[axis])
     }
 }
 
 /// For each octant the bits of a cell's number that differ when the node is seen along it.
 const FLIPS: [usize; 8] = [0, 3, 12, 15, 48, 51, 60, 63];
-
-/// The cells of a node seen along an octant of directions: bit `i` becomes bit `i` with the coordinates turned round of the
-/// axes along which rays move backwards.
-#[inline(always)]
-fn mirrored(mut mask: u64, octant: usize) -> u64 {
-    if octant & 1 != 0 {
-        mask = (mask >> 1 & 0x5555_5555_5555_5555) | (mask & 0x5555_5555_5555_5555) << 1;
-        mask = (mask >> 2 & 0x3333_3333_3333_3333) | (mask & 0x3333_3333_3333_3333) << 2;
-    }
-    if octant & 2 != 0 {
-        mask = (mask >> 4 & 0x0f0f_0f0f_0f0f_0f0f) | (mask & 0x0f0f_0f0f_0f0f_0f0f) << 4;
-        mask = (mask >> 8 & 0x00ff_00ff_00ff_00ff) | (mask & 0x00ff_00ff_00ff_00ff) << 8;
-    }
-    if octant & 4 != 0 {
-        mask = (mask >> 16 & 0x0000_ffff_0000_ffff) | (mask & 0x0000_ffff_0000_ffff) << 16;
-        mask = mask.rotate_left(32);
-    }
-    mask
-}
 
 /// The lesser one, neither a NaN: one instruction.
 #[inline(always)]
