@@ -55,11 +55,7 @@ impl Settings {
     pub fn triangles(quality: Quality) -> Self {
         match quality {
             Quality::Fast => Self { density: 0.12, node_cost: 96.0, growth: 0.3 },
-            Quality::Default => Self {
-                density: std::env::var("DEN").map_or(0.15, |d| d.parse().unwrap()),
-                node_cost: std::env::var("NC").map_or(32.0, |d| d.parse().unwrap()),
-                growth: std::env::var("GR").map_or(0.3, |d| d.parse().unwrap()),
-            },
+            Quality::Default => Self { density: 0.15, node_cost: 32.0, growth: 0.3 },
             Quality::Best => Self { density: 0.25, node_cost: 24.0, growth: 0.2 },
         }
     }
