@@ -21,6 +21,7 @@ mod npy;
 pub mod oracle;
 #[cfg(feature = "cli")]
 pub mod papers;
+mod parallel;
 #[cfg(feature = "picture")]
 pub mod picture;
 #[cfg(any(test, feature = "scene"))]

@@ -4,10 +4,11 @@
 //! never wins: no structure needs it. Left in, 10^5 copies of one triangle would make every ray that meets it test them all,
 //! fill a grid's voxels with 10^5 references each, and take obvhs' builder minutes, since it compares boxes that are alike.
 
+use super::copies::Copies;
 use crate::geometry::Geometry;
+use crate::parallel;
 use crate::ray::Aabb;
 use std::fmt;
-use std::hash::{BuildHasher, RandomState};
 
 /// The primitives that can win, in ascending order, and the box around them.
 pub(crate) struct Candidates {
@@ -30,23 +31,60 @@ pub(crate) struct LeftOut {
 
 impl Candidates {
     /// Looks through all primitives of `geometry`.
-    ///
-    /// Takes eight bytes or so for each primitive that has a fingerprint while it looks.
     pub fn of<G: Geometry>(geometry: &G) -> Self {
-        let mut found = Self { prims: Vec::new(), bounds: Aabb::EMPTY, left_out: LeftOut::default() };
-        let mut seen = Seen::default();
-        for prim in 0..geometry.len() {
-            let bounds = geometry.bounds(prim);
-            if bounds.is_empty() {
-                found.left_out.unhittable += 1;
-            } else if seen.is_copy(geometry, prim) {
-                found.left_out.copies += 1;
-            } else {
-                found.bounds = found.bounds.union(&bounds);
-                found.prims.push(prim);
+        let mut sieve = Sieve::default();
+        let (bounds, left_out) = sieve.sift(geometry);
+        Self { prims: sieve.prims, bounds, left_out }
+    }
+}
+
+/// Looks for candidates, in memory that the next search uses again: 32 bytes or so for each primitive.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sieve {
+    /// Indices in the geometry, ascending.
+    pub prims: Vec<u32>,
+    /// The box of each primitive of the geometry, candidate or not.
+    pub boxes: Vec<Aabb>,
+    copies: Copies,
+}
+
+impl Sieve {
+    /// Looks through all primitives of `geometry`; the box around the candidates and what is not among them.
+    pub fn sift<G: Geometry>(&mut self, geometry: &G) -> (Aabb, LeftOut) {
+        const LEAST: usize = 4096;
+        let len = geometry.len() as usize;
+        self.boxes.resize(len, Aabb::EMPTY);
+        let mut prints = self.copies.take_prints(len);
+        let copies = &self.copies;
+        let chunks = parallel::chunks(len, LEAST);
+        let size = chunks.clone().next().map_or(1, |chunk| chunk.len());
+        let work = chunks.zip(self.boxes.chunks_mut(size).zip(prints.chunks_mut(size)));
+        let found = parallel::map(work, |(chunk, (boxes, prints))| {
+            let (mut bounds, mut unhittable) = (Aabb::EMPTY, 0);
+            for ((prim, place), print) in (chunk.start as u32..).zip(boxes).zip(prints) {
+                *place = geometry.bounds(prim);
+                if place.is_empty() {
+                    unhittable += 1;
+                    *print = None;
+                } else {
+                    bounds = bounds.union(place);
+                    *print = copies.print(geometry, prim);
+                }
             }
+            (bounds, unhittable)
+        });
+        let bounds = found.iter().fold(Aabb::EMPTY, |all, (bounds, _)| all.union(bounds));
+        let unhittable: u32 = found.iter().map(|(_, unhittable)| unhittable).sum();
+        let copies = self.copies.find(geometry, prints);
+        self.prims.clear();
+        if unhittable == 0 && copies.is_empty() {
+            self.prims.extend(0..len as u32);
+        } else {
+            let mut copies = copies.iter().copied().peekable();
+            let wanted = |&prim: &u32| copies.next_if_eq(&prim).is_none() && !self.boxes[prim as usize].is_empty();
+            self.prims.extend((0..len as u32).filter(wanted));
         }
-        found
+        (bounds, LeftOut { unhittable, copies: (len - self.prims.len()) as u32 - unhittable })
     }
 }
 
@@ -60,52 +98,6 @@ impl fmt::Display for LeftOut {
             write!(f, ", {} copies of primitives left out", self.copies)?;
         }
         Ok(())
-    }
-}
-
-/// The primitives seen so far, by fingerprint: open addressing, at most half full. A slot is an index plus one, or 0.
-#[derive(Default)]
-struct Seen {
-    slots: Vec<u32>,
-    count: usize,
-    keys: RandomState,
-}
-
-impl Seen {
-    /// True if an earlier primitive has the same fingerprint; remembers `prim` if not.
-    fn is_copy<G: Geometry>(&mut self, geometry: &G, prim: u32) -> bool {
-        let Some(print) = geometry.fingerprint(prim) else { return false };
-        if 2 * (self.count + 1) > self.slots.len() {
-            self.grow(geometry);
-        }
-        let mut slot = self.home(&print);
-        while self.slots[slot] != 0 {
-            if geometry.fingerprint(self.slots[slot] - 1) == Some(print) {
-                return true;
-            }
-            slot = (slot + 1) & (self.slots.len() - 1);
-        }
-        self.slots[slot] = prim + 1;
-        self.count += 1;
-        false
-    }
-
-    /// Where the search for a fingerprint begins. Keyed afresh each time, so that no input can be made to collide.
-    fn home(&self, print: &[u32; 9]) -> usize {
-        self.keys.hash_one(print) as usize & (self.slots.len() - 1)
-    }
-
-    fn grow<G: Geometry>(&mut self, geometry: &G) {
-        let size = (2 * self.slots.len()).max(64);
-        let old = std::mem::replace(&mut self.slots, vec![0; size]);
-        for kept in old.into_iter().filter(|&kept| kept != 0) {
-            let Some(print) = geometry.fingerprint(kept - 1) else { continue };
-            let mut slot = self.home(&print);
-            while self.slots[slot] != 0 {
-                slot = (slot + 1) & (size - 1);
-            }
-            self.slots[slot] = kept;
-        }
     }
 }
 

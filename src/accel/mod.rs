@@ -3,6 +3,7 @@
 mod brute;
 mod budget;
 mod candidates;
+mod copies;
 mod far;
 mod probe;
 mod shadows;
@@ -12,7 +13,7 @@ pub(crate) use brute::{scan_all, scan_any};
 pub(crate) use budget::default_budget;
 #[cfg(feature = "scene")]
 pub(crate) use budget::half_the_memory;
-pub(crate) use candidates::{Candidates, LeftOut};
+pub(crate) use candidates::{Candidates, LeftOut, Sieve};
 pub(crate) use far::nearer;
 pub use probe::{Counts, Probe};
 pub use shadows::{PointShadows, Shadow};

@@ -6,7 +6,7 @@
 use crate::accel::Memory;
 
 /// Lists of primitive indices, one for each voxel, each in ascending order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Cells {
     /// List `v` is `prims[start[v]..start[v + 1]]`.
     start: Vec<u32>,
@@ -18,6 +18,11 @@ impl Cells {
     pub fn new(start: Vec<u32>, prims: Vec<u32>) -> Self {
         debug_assert_eq!(start.last().map(|&n| n as usize), Some(prims.len()));
         Self { start, prims }
+    }
+
+    /// Offsets and references, for their memory to be used again.
+    pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
+        (self.start, self.prims)
     }
 
     /// The primitives in a voxel.

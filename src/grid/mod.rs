@@ -15,10 +15,10 @@
 mod build;
 mod cells;
 mod frame;
+pub(crate) mod lists;
 mod mailbox;
 mod occupancy;
 mod options;
-mod parallel;
 mod seeds;
 mod shadow;
 pub mod skip;
@@ -68,7 +68,9 @@ pub struct Grid<G, S = NoSkip, W = Walk> {
     seeds: Seeds,
     bounds: Aabb,
     mailbox: bool,
-    memory: u64,
+    options: GridOptions,
+    /// For the next rebuild, once there was one.
+    shop: Option<Box<build::Workshop>>,
     left_out: LeftOut,
     walk: PhantomData<W>,
 }

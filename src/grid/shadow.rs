@@ -20,11 +20,11 @@ mod hull;
 mod umbra;
 
 use super::frame::{Frame, PADDING};
-use super::parallel;
 use super::{Grid, GridOptions};
 use crate::accel::{Accel, Memory, PointShadows, Shadow};
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
+use crate::parallel;
 use crate::ray::{Cell, Ray};
 use facing::{Facing, Plane};
 use glam::DVec3;

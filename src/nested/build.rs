@@ -1,84 +1,161 @@
-//! Building a part: the grid on top by counting and scattering, nodes below by masks, cell by cell.
+//! Building a part: the grid on top by sorting references into its cells, then what is below, cell by cell, then the packs.
+//!
+//! Every step is done in chunks that threads share, of primitives first and of cells then; what comes of them is put together in
+//! the order of the grid, so that it does not depend on how many threads there are.
 
-use super::frame::{Frame, PADDING};
-use super::lanes::Lanes;
+use super::cut::{Cutter, Fill, Piece};
+use super::frame::Frame;
+use super::limit::Limit;
 use super::options::Settings;
-use super::raster::Window;
+use super::place::{Place, Placed, Placements};
 use super::shape::{Node, Part, Slot, Top};
 use super::simd::Isa;
 use super::source::Source;
-use crate::error::{Error, Result};
-use crate::grid::skip::free_cubes;
+use crate::error::Result;
+use crate::grid::{lists, skip::free_cubes};
+use crate::parallel;
+use crate::ray::Aabb;
 use std::ops::Range;
 
-/// Cells with a shorter edge are not made, in a part's coordinates: eight paddings.
-pub(super) const LEAST_CELL: f32 = 8.0 * PADDING;
-
-/// Primitives met by a window of the grid on top.
-pub(super) struct Met {
-    cells: u64,
-    prim: u32,
-    /// Cell of the grid where the window begins.
-    first: u32,
+/// Memory of a build that the next one uses again; `L` is a primitive in a part's coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Shop<L> {
+    placed: Vec<Placed<L>>,
+    start: Vec<u32>,
+    list: Vec<u32>,
+    pieces: Vec<Piece<L>>,
 }
 
-/// Builds a part.
-///
-/// # Errors
-/// It would take more than `memory` bytes.
-pub(super) fn build<Src: Source>(
-    source: &Src,
-    frame: Frame,
-    settings: &Settings,
-    memory: u64,
-    isa: Isa,
-) -> Result<Part<Src::Pack>> {
-    let half = frame.half;
-    let cells = resolution(half, settings.density * source.len() as f64);
-    let count = cells.iter().map(|&n| n as usize).product::<usize>();
-    let cell = [0, 1, 2].map(|a| 2.0 * half[a] / cells[a] as f32);
-    let per_unit = [0, 1, 2].map(|a| cells[a] as f32 / (2.0 * half[a]));
-    let mut top = Top { half, cell, per_unit, cells, free: Vec::new(), slots: vec![Slot::EMPTY; count] };
-
-    let met = isa.windows(source, &top, memory)?;
-    let mut start = vec![0_u32; count + 1];
-    each(&met, &cells, |cell, _| start[cell + 1] += 1);
-    for i in 0..count {
-        start[i + 1] += start[i];
+impl<L> Default for Shop<L> {
+    fn default() -> Self {
+        Self { placed: Vec::new(), start: Vec::new(), list: Vec::new(), pieces: Vec::new() }
     }
-    let mut list = vec![0_u32; start[count] as usize];
-    let mut next = start.clone();
-    each(&met, &cells, |cell, prim| {
-        list[next[cell] as usize] = prim;
-        next[cell] += 1;
-    });
-    drop((met, next));
+}
 
-    let filled = start.windows(2).map(|pair| pair[0] < pair[1]).collect();
-    top.free = free_cubes(cells.map(|n| n as usize), filled).concat();
+/// What to build a part of.
+pub(super) struct Plan<'a, Src> {
+    pub source: &'a Src,
+    /// By index in the geometry, ascending.
+    pub members: &'a [u32],
+    /// Boxes by index in the geometry.
+    pub boxes: &'a [Aabb],
+    pub frame: Frame,
+    pub settings: Settings,
+    /// Bytes that it may take.
+    pub memory: u64,
+    pub isa: Isa,
+}
 
-    let mut builder = Builder {
-        source,
-        settings,
-        isa,
-        nodes: Vec::new(),
-        slots: Vec::new(),
-        packs: Vec::new(),
-        list,
-        masks: Vec::new(),
-    };
-    // Packs and nodes in the order of cells: neighbours are near one another.
-    for (i, slot) in top.slots.iter_mut().enumerate() {
-        let range = start[i] as usize..start[i + 1] as usize;
-        if !range.is_empty() {
-            let [nx, ny, _] = cells.map(|n| n as usize);
-            let at = [i % nx, i / nx % ny, i / (nx * ny)];
-            let low = [0, 1, 2].map(|a| at[a] as f32 * cell[a] - half[a]);
-            *slot = builder.cell(range, low, cell);
+impl<Src: Source> Plan<'_, Src> {
+    /// Builds the part in the memory of another.
+    ///
+    /// # Errors
+    /// It would take more than `memory` bytes.
+    pub fn build(&self, part: &mut Part<Src::Pack>, shop: &mut Shop<Src::Local>) -> Result<()> {
+        part.frame = self.frame;
+        let Part { top, .. } = part;
+        top.half = self.frame.half;
+        top.cells = resolution(top.half, self.settings.density * self.members.len() as f64);
+        top.cell = [0, 1, 2].map(|a| 2.0 * top.half[a] / top.cells[a] as f32);
+        top.per_unit = [0, 1, 2].map(|a| top.cells[a] as f32 / (2.0 * top.half[a]));
+        self.place(top, shop)?;
+        let occupied = shop.start.windows(2).map(|pair| pair[0] < pair[1]);
+        free_cubes(top.cells.map(|n| n as usize), occupied, &mut top.free);
+        self.cut(top, shop)?;
+        join(part, &mut shop.pieces);
+
+        let ends: Vec<usize> = ends(shop.pieces.iter().map(Piece::packs)).collect();
+        parallel::fill(&mut part.packs, ends.last().copied().unwrap_or(0), |pack| {
+            let piece = ends.partition_point(|&end| end <= pack);
+            let first = if piece == 0 { 0 } else { ends[piece - 1] };
+            let lanes = &shop.pieces[piece].lanes[8 * (pack - first)..][..8];
+            self.isa.run(Fill { source: self.source, lanes })
+        });
+        Ok(())
+    }
+
+    /// Lists of the primitives that each cell of the grid meets, in `shop.start` and `shop.list`.
+    fn place(&self, top: &Top, shop: &mut Shop<Src::Local>) -> Result<()> {
+        const LEAST: usize = 2048;
+        // With four bytes for each reference, they can be counted in 32 bits.
+        let mut limit = Limit::new(self.memory.min(16 << 30));
+        let ranges: Vec<Range<usize>> = parallel::chunks(self.members.len(), LEAST).collect();
+        shop.placed.resize_with(ranges.len(), Placed::default);
+        parallel::each(shop.placed.iter_mut().zip(ranges), |(placed, range)| {
+            placed.range = range;
+            let Self { source, members, boxes, ref frame, .. } = *self;
+            self.isa.run(Place { source, frame, top, members, boxes, limit: &limit, placed });
+        });
+        limit.check(&top.cells)?;
+        let count = top.cells.iter().map(|&n| n as usize).product::<usize>();
+        let references = Placements { members: self.members, placed: &shop.placed, cells: &top.cells };
+        lists::sort(&references, count, &mut shop.start, &mut shop.list);
+        Ok(())
+    }
+
+    /// Cuts the cells of the grid, in pieces.
+    fn cut(&self, top: &mut Top, shop: &mut Shop<Src::Local>) -> Result<()> {
+        const LEAST: usize = 4096;
+        let Shop { start, list, pieces, .. } = shop;
+        let Top { half, cell, cells, slots, .. } = top;
+        let count = start.len() - 1;
+        slots.clear();
+        slots.resize(count, Slot::EMPTY);
+
+        // Pieces of about as many references.
+        let (mut work, mut rest, mut first) = (Vec::new(), slots.as_mut_slice(), 0);
+        for chunk in parallel::chunks(list.len(), LEAST) {
+            let end = start.partition_point(|&begin| (begin as usize) < chunk.end).min(count);
+            let (mine, others) = std::mem::take(&mut rest).split_at_mut(end.saturating_sub(first));
+            work.push((first, mine));
+            (rest, first) = (others, end.max(first));
         }
+        pieces.resize_with(work.len(), Piece::default);
+
+        let mut limit = Limit::new(self.memory.min(1 << 40));
+        let cutter = Cutter { source: self.source, settings: &self.settings, isa: self.isa, limit: &limit };
+        let [nx, ny, _] = cells.map(|n| n as usize);
+        parallel::each(pieces.iter_mut().zip(work), |(piece, (first, slots))| {
+            piece.clear(first..first + slots.len());
+            for (i, slot) in (first..).zip(slots) {
+                let list = &list[start[i] as usize..start[i + 1] as usize];
+                if !list.is_empty() {
+                    let at = [i % nx, i / nx % ny, i / (nx * ny)];
+                    let low = [0, 1, 2].map(|a| at[a] as f32 * cell[a] - half[a]);
+                    *slot = cutter.top(list, low, *cell, piece);
+                }
+            }
+        });
+        limit.check(cells)
     }
-    let Builder { nodes, slots, packs, .. } = builder;
-    Ok(Part { frame, top, nodes, slots, packs })
+}
+
+/// Puts pieces together: what they number from their own begin, the part numbers from its.
+fn join<K, L>(part: &mut Part<K>, pieces: &mut [Piece<L>]) {
+    if let [piece] = pieces {
+        std::mem::swap(&mut part.nodes, &mut piece.nodes);
+        std::mem::swap(&mut part.slots, &mut piece.slots);
+        return;
+    }
+    let Part { nodes, slots, top, .. } = part;
+    nodes.clear();
+    slots.clear();
+    nodes.reserve_exact(pieces.iter().map(|piece| piece.nodes.len()).sum());
+    slots.reserve_exact(pieces.iter().map(|piece| piece.slots.len()).sum());
+    let mut packs = 0;
+    for piece in pieces {
+        let (first_node, first_slot) = (nodes.len() as u32, slots.len() as u32);
+        let moved = |slot: &Slot| match slot {
+            slot if slot.is_node() => Slot::node(slot.first + first_node),
+            slot => Slot { first: slot.first + packs, ..*slot },
+        };
+        nodes.extend(piece.nodes.iter().map(|node| Node { base: node.base + first_slot, ..*node }));
+        slots.extend(piece.slots.iter().map(moved));
+        for slot in top.slots[piece.cells.clone()].iter_mut().filter(|slot| slot.count > 0) {
+            *slot = moved(slot);
+        }
+        packs += piece.packs() as u32;
+    }
 }
 
 /// Cubic cells, `wanted` of them; an axis shorter than one gets one.
@@ -89,158 +166,117 @@ fn resolution(half: [f32; 3], wanted: f64) -> [u32; 3] {
     half.map(|h| (2.0 * f64::from(h) / edge).round().clamp(1.0, MOST) as u32)
 }
 
-/// Which cells of the grid each primitive meets, window by window.
-///
-/// # Errors
-/// They would take more than `memory` bytes.
-#[inline(always)]
-pub(super) fn windows<S: Lanes, Src: Source>(source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
-    let mut met = Vec::with_capacity(source.len());
-    let mut references = 0_u64;
-    for i in 0..source.len() {
-        let [min, max] = source.bounds(i);
-        let place = |a: usize, x: f32| (((x + top.half[a]) * top.per_unit[a]) as i32).clamp(0, top.cells[a] as i32 - 1);
-        let low = [0, 1, 2].map(|a| place(a, min[a] - 2.0 * PADDING));
-        let high = [0, 1, 2].map(|a| place(a, max[a] + 2.0 * PADDING));
-        let steps = |a: usize| (low[a]..=high[a]).step_by(4);
-        for z in steps(2) {
-            for y in steps(1) {
-                for x in steps(0) {
-                    let at = [x, y, z];
-                    let low = [0, 1, 2].map(|a| at[a] as f32 * top.cell[a] - top.half[a]);
-                    let cells = source.cells::<S>(i, &Window { low, cell: top.cell }) & within(at, &top.cells);
-                    if cells != 0 {
-                        let [x, y, z] = at.map(|i| i as u32);
-                        let first = (z * top.cells[1] + y) * top.cells[0] + x;
-                        met.push(Met { cells, prim: i as u32, first });
-                        references += u64::from(cells.count_ones());
-                    }
-                }
+/// Running totals.
+fn ends(lengths: impl Iterator<Item = usize>) -> impl Iterator<Item = usize> {
+    lengths.scan(0, |end, length| {
+        *end += length;
+        Some(*end)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::AnyPart;
+    use super::super::{Nested, NestedOptions, Quality};
+    use crate::accel::{Accel, BruteForce};
+    use crate::geometry::tests::Random;
+    use crate::geometry::{Geometry, Mixed, Sphere, Triangle};
+    use crate::ray::Ray;
+    use glam::Vec3;
+
+    /// Small and long triangles, spheres, and copies of some, those of a later moment a bit further on.
+    fn scene(moment: f32) -> Mixed {
+        let mut random = Random::new(21);
+        let mut triangles: Vec<Triangle> = (0..6000)
+            .map(|i| {
+                let (p, size) = (random.in_cube(), if i % 40 == 0 { 0.8 } else { 0.03 });
+                let wave = Vec3::Y * 0.1 * (moment + 7.0 * p.x).sin();
+                [p, p + size * random.in_cube(), p + size * random.in_cube()].map(|p| p + wave)
+            })
+            .collect();
+        triangles.extend_from_within(100..200);
+        let sphere = |i| Sphere { centre: random.in_cube() + Vec3::X * 0.01 * moment, radius: 0.001 * (i % 60) as f32 };
+        Mixed { triangles, spheres: (0..5000).map(sphere).collect() }
+    }
+
+    /// Runs `work` on so many threads.
+    #[cfg(feature = "parallel")]
+    fn on<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)
+    }
+
+    #[test]
+    #[cfg(feature = "parallel")]
+    fn threads_change_nothing() {
+        let scene = scene(0.0);
+        for quality in [Quality::Fast, Quality::Default, Quality::Best] {
+            let options = NestedOptions { quality, ..NestedOptions::default() };
+            let built = |threads| {
+                let nested = on(threads, || Nested::build(&scene, &options).expect("enough memory"));
+                assert!(nested.describe().contains("100 copies"), "{}", nested.describe());
+                format!("{:?}", nested.shape)
+            };
+            let alone = built(1);
+            assert!(alone.len() > 1_000_000, "{}", alone.len());
+            for threads in [2, 7] {
+                assert!(built(threads) == alone, "{quality:?} on {threads} threads");
             }
         }
-        // Asked for each primitive, so that what cannot be is refused before it is counted to the end.
-        let wanted = references * 8 + met.len() as u64 * 16;
-        if wanted > memory || references > u64::from(u32::MAX / 2) {
-            let what = format!("nested grid of {:?} cells with {references} references", top.cells);
-            return Err(Error::TooLarge { what, wanted, allowed: memory.min(16 << 30) });
+    }
+
+    /// Where the memory is that is to be used again: two lists swap theirs on one thread.
+    fn places<G>(nested: &Nested<G>) -> Vec<(usize, usize)> {
+        let mut places = Vec::new();
+        for part in &nested.shape.parts {
+            let (top, nodes, slots, packs) = match part {
+                AnyPart::Triangles(part) => (&part.top, &part.nodes, &part.slots, part.packs.as_ptr() as usize),
+                AnyPart::Spheres(part) => (&part.top, &part.nodes, &part.slots, part.packs.as_ptr() as usize),
+                AnyPart::Lists(part) => (&part.top, &part.nodes, &part.slots, part.packs.as_ptr() as usize),
+            };
+            places.extend([(packs, 0), (top.free.as_ptr() as usize, 0), (top.slots.as_ptr() as usize, 0)]);
+            places.extend([(nodes.as_ptr() as usize, 1), (slots.as_ptr() as usize, 2)]);
         }
+        places
     }
-    Ok(met)
-}
 
-/// Appends the cells of a window that each primitive of a list meets.
-#[inline(always)]
-pub(super) fn masks<S: Lanes, Src: Source>(source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
-    masks.reserve(list.len());
-    for &i in list {
-        masks.push(source.cells::<S>(i as usize, window));
-    }
-}
-
-/// The cells of a window that are in the grid.
-fn within(at: [i32; 3], cells: &[u32; 3]) -> u64 {
-    let mut mask = u64::MAX;
-    let room = [0, 1, 2].map(|a| (cells[a] as i32 - at[a]).min(4) as u32);
-    mask &= ((1_u64 << room[0]) - 1) * 0x1111_1111_1111_1111;
-    mask &= ((1_u64 << (4 * room[1])) - 1).wrapping_mul(0x0001_0001_0001_0001);
-    if room[2] < 4 {
-        mask &= (1 << (16 * room[2])) - 1;
-    }
-    mask
-}
-
-/// Every cell that every primitive meets.
-fn each(met: &[Met], cells: &[u32; 3], mut visit: impl FnMut(usize, u32)) {
-    let [nx, ny, _] = cells.map(|n| n as usize);
-    for Met { cells, prim, first } in met {
-        let mut rest = *cells;
-        while rest != 0 {
-            let bit = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            visit(*first as usize + (bit & 3) + nx * ((bit >> 2 & 3) + ny * (bit >> 4)), *prim);
-        }
-    }
-}
-
-/// What grows while cells are cut.
-struct Builder<'a, Src: Source> {
-    source: &'a Src,
-    settings: &'a Settings,
-    isa: Isa,
-    nodes: Vec<Node>,
-    slots: Vec<Slot>,
-    packs: Vec<Src::Pack>,
-    /// The lists of cells that are being cut, one behind the other.
-    list: Vec<u32>,
-    /// For each primitive of a list that is being cut, the cells that it meets.
-    masks: Vec<u64>,
-}
-
-impl<Src: Source> Builder<'_, Src> {
-    /// Cuts the cell that begins at `low`, if that is worth it. It meets the primitives of `self.list[range]`.
-    fn cell(&mut self, range: Range<usize>, low: [f32; 3], size: [f32; 3]) -> Slot {
-        let window = Window { low, cell: size.map(|x| 0.25 * x) };
-        let packs = range.len().div_ceil(8) as f32;
-        // A node costs as much as some packs: fewer are tested at once.
-        let worth = packs > self.settings.node_cost;
-        if !worth || window.cell.iter().any(|&edge| edge < LEAST_CELL) {
-            return self.leaf(range);
-        }
-        let mut counts = [0_u32; 64];
-        self.masks.clear();
-        self.isa.masks(self.source, &self.list[range.clone()], &window, &mut self.masks);
-        for &cells in &self.masks {
-            let mut cells = cells;
-            while cells != 0 {
-                counts[cells.trailing_zeros() as usize] += 1;
-                cells &= cells - 1;
+    #[test]
+    fn a_rebuild_is_a_fresh_build_in_the_same_place() {
+        for quality in [Quality::Fast, Quality::Default] {
+            let options = NestedOptions { quality, ..NestedOptions::default() };
+            let mut nested = Nested::build(scene(0.0), &options).expect("enough memory");
+            for moment in [1.0, 2.0, 0.0, 1.0, 2.0, 0.0] {
+                nested.rebuild(scene(moment)).expect("enough memory");
+                let fresh = Nested::build(scene(moment), &options).expect("enough memory");
+                assert!(format!("{:?}", nested.shape) == format!("{:?}", fresh.shape), "{quality:?} at {moment}");
+                assert_eq!(nested.describe(), fresh.describe());
+                assert_eq!(nested.bounds(), fresh.bounds());
             }
+            // All moments have been: whatever comes has its place.
+            let before = places(&nested);
+            nested.rebuild(scene(1.0)).expect("enough memory");
+            nested.rebuild(scene(0.0)).expect("enough memory");
+            assert_eq!(places(&nested), before, "{quality:?}");
         }
-        // The chance that a ray through a box meets a convex part of it is the quotient of their surfaces: a sixteenth.
-        let below: u32 = counts.iter().map(|n| n.div_ceil(8)).sum();
-        if self.settings.node_cost + below as f32 / 16.0 >= packs {
-            return self.leaf(range);
-        }
-        let begin = self.list.len();
-        let mut next = [0_usize; 64];
-        let mut mask = 0;
-        let mut end = begin;
-        for (i, &n) in counts.iter().enumerate() {
-            next[i] = end;
-            end += n as usize;
-            mask |= u64::from(n > 0) << i;
-        }
-        self.list.resize(end, 0);
-        for (at, &cells) in range.zip(&self.masks) {
-            let (prim, mut cells) = (self.list[at], cells);
-            while cells != 0 {
-                let cell = cells.trailing_zeros() as usize;
-                self.list[next[cell]] = prim;
-                next[cell] += 1;
-                cells &= cells - 1;
-            }
-        }
-        let index = self.nodes.len();
-        let base = self.slots.len();
-        let centre = [0, 1, 2].map(|a| low[a] + 2.0 * window.cell[a]);
-        self.nodes.push(Node { mask, centre, cell: window.cell, base: base as u32 });
-        self.slots.resize(base + mask.count_ones() as usize, Slot::EMPTY);
-        for (slot, cell) in (base..).zip((0..64).filter(|cell| mask >> cell & 1 != 0)) {
-            let at = [cell & 3, cell >> 2 & 3, cell >> 4];
-            let low = [0, 1, 2].map(|a| low[a] + at[a] as f32 * window.cell[a]);
-            let list = next[cell] - counts[cell] as usize..next[cell];
-            self.slots[slot] = self.cell(list, low, window.cell);
-        }
-        self.list.truncate(begin);
-        Slot::node(index as u32)
     }
 
-    /// The primitives of a list in packs.
-    fn leaf(&mut self, range: Range<usize>) -> Slot {
-        let first = self.packs.len();
-        for eight in self.list[range].chunks(8) {
-            self.packs.push(self.source.pack(eight));
+    #[test]
+    fn a_rebuild_that_is_refused_still_answers() {
+        let memory = 4 << 20;
+        let options = NestedOptions { memory, ..NestedOptions::default() };
+        let mut nested = Nested::build(scene(0.0), &options).expect("enough memory");
+        let mut large = scene(0.0);
+        let mut random = Random::new(22);
+        large.triangles.extend((0..3000).map(|_| [random.in_cube(), random.in_cube(), random.in_cube()]));
+        let error = nested.rebuild(large.clone()).expect_err("more than 4 MiB").to_string();
+        assert!(error.contains("allowed are"), "{error}");
+        let brute = BruteForce::new(&large);
+        for _ in 0..200 {
+            let ray = Ray::new(random.in_cube() * 3.0, random.in_cube());
+            assert_eq!(nested.closest_hit(&ray), brute.closest_hit(&ray), "{ray:?}");
+            assert_eq!(nested.any_hit(&ray), brute.any_hit(&ray), "{ray:?}");
         }
-        Slot { first: first as u32, count: (self.packs.len() - first) as u32 }
+        assert_eq!(nested.bounds(), brute.bounds());
+        nested.rebuild(scene(0.0)).expect("enough memory again");
+        assert!(nested.memory().total() < memory && large.len() > 0);
     }
 }

@@ -31,11 +31,14 @@
 #![allow(clippy::needless_range_loop, reason = "an axis indexes several arrays at once")]
 
 mod build;
+mod cut;
 mod exact;
 mod frame;
 mod lanes;
+mod limit;
 mod options;
 mod pack;
+mod place;
 mod raster;
 mod root;
 mod shape;
@@ -49,11 +52,12 @@ mod wide;
 
 pub use options::{NestedOptions, Quality};
 
-use crate::accel::{Accel, Candidates, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
+use crate::accel::{Accel, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::ray::{Aabb, Ray};
 use exact::Tests;
+use root::Workshop;
 use shape::{AnyPart, Shape};
 use simd::Isa;
 use walk::Outcome;
@@ -66,6 +70,9 @@ pub struct Nested<G> {
     isa: Isa,
     bounds: Aabb,
     left_out: LeftOut,
+    options: NestedOptions,
+    /// For the next rebuild, once there was one.
+    shop: Option<Box<Workshop>>,
 }
 
 impl<G: Geometry> Nested<G> {
@@ -74,10 +81,40 @@ impl<G: Geometry> Nested<G> {
     /// # Errors
     /// It would take more than `options.memory` bytes.
     pub fn build(geometry: G, options: &NestedOptions) -> Result<Self> {
-        let Candidates { prims, bounds, left_out } = Candidates::of(&geometry);
-        let isa = Isa::detect();
-        let shape = root::build(&geometry, &prims, options, isa)?;
-        Ok(Self { geometry, shape, isa, bounds, left_out })
+        let (isa, mut shape) = (Isa::detect(), Shape::default());
+        let (bounds, left_out) = root::build(&geometry, options, isa, &mut shape, &mut Workshop::default())?;
+        Ok(Self { geometry, shape, isa, bounds, left_out, options: *options, shop: None })
+    }
+
+    /// Builds the grid anew, with the options that it was built with: as a fresh one, to the bit, in the memory of this one.
+    /// From the second time on, nothing large is allocated for as many primitives in about as many cells. For that the grid keeps what it needs
+    /// while it builds, some 60 bytes for each primitive, which [`Accel::memory`] does not count, as rays do not use
+    /// it; [`Clone`] does.
+    ///
+    /// # Errors
+    /// It would take more than `options.memory` bytes. Then every ray tests all primitives: answers as always, but slow.
+    ///
+    /// # Example
+    /// ```
+    /// # use skipgrid::{Accel, Ray, Triangle, nested::{Nested, NestedOptions}};
+    /// # use glam::Vec3;
+    /// let frame = |height: f32| -> Vec<Triangle> { vec![[Vec3::X, Vec3::Y, Vec3::ZERO].map(|p| p + Vec3::Z * height)] };
+    /// let mut nested = Nested::build(frame(0.0), &NestedOptions::default())?;
+    /// nested.rebuild(frame(-1.0))?;
+    /// let down = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
+    /// assert_eq!(nested.closest_hit(&down).map(|hit| hit.t), Some(2.0));
+    /// # Ok::<(), skipgrid::Error>(())
+    /// ```
+    pub fn rebuild(&mut self, geometry: G) -> Result<()> {
+        let mut shop = self.shop.take().unwrap_or_default();
+        let built = root::build(&geometry, &self.options, self.isa, &mut self.shape, &mut shop);
+        let (found, result) = match built {
+            Ok(found) => (found, Ok(())),
+            Err(error) => (root::list(&geometry, &mut self.shape, &mut shop), Err(error)),
+        };
+        (self.bounds, self.left_out) = found;
+        (self.geometry, self.shop) = (geometry, Some(shop));
+        result
     }
 
     #[inline]

@@ -43,18 +43,20 @@ pub(super) struct Settings {
     pub density: f64,
     /// How many packs may be tested in the time that a node takes.
     pub node_cost: f32,
+    /// How many packs may be tested for each pack more that is kept.
+    pub growth: f32,
 }
 
 impl Settings {
     /// One cell that is never cut: for primitives that are tested without a grid.
-    pub const LOOSE: Settings = Settings { density: 0.0, node_cost: f32::INFINITY };
+    pub const LOOSE: Settings = Settings { density: 0.0, node_cost: f32::INFINITY, growth: 0.0 };
 
     /// For triangles and whatever is as expensive.
     pub fn triangles(quality: Quality) -> Self {
         match quality {
-            Quality::Fast => Self { density: 0.02, node_cost: 12.0 },
-            Quality::Default => Self { density: 0.05, node_cost: 5.0 },
-            Quality::Best => Self { density: 0.08, node_cost: 4.0 },
+            Quality::Fast => Self { density: 0.12, node_cost: 96.0, growth: 0.3 },
+            Quality::Default => Self { density: 0.15, node_cost: 32.0, growth: 0.3 },
+            Quality::Best => Self { density: 0.25, node_cost: 24.0, growth: 0.2 },
         }
     }
 

@@ -20,6 +20,10 @@ pub(super) struct Window {
     pub low: [f32; 3],
     /// Edges of a cell.
     pub cell: [f32; 3],
+    /// Cells for each unit.
+    per_unit: [f32; 3],
+    /// The padding in cells.
+    padding: [f32; 3],
 }
 
 /// The cells along an axis that an interval meets, before they are cut down to the window; and that as bits.
@@ -29,20 +33,21 @@ struct Reach {
 }
 
 impl Window {
+    /// The window with this least corner and cells with these edges.
+    #[inline]
+    pub fn new(low: [f32; 3], cell: [f32; 3]) -> Self {
+        Self { low, cell, per_unit: cell.map(|x| 1.0 / x), padding: cell.map(|x| PADDING / x) }
+    }
+
     /// In the window's units, in which cells are 1 long.
     #[inline(always)]
     fn units(&self, axis: usize, x: f32) -> f32 {
-        (x - self.low[axis]) * (1.0 / self.cell[axis])
-    }
-
-    #[inline(always)]
-    fn padding(&self, axis: usize) -> f32 {
-        PADDING / self.cell[axis]
+        (x - self.low[axis]) * self.per_unit[axis]
     }
 
     #[inline(always)]
     fn reach(&self, axis: usize, low: f32, high: f32) -> Reach {
-        let padding = self.padding(axis);
+        let padding = self.padding[axis];
         // `as` saturates.
         let (low, high) = ((low - padding).floor() as i32, (high + padding).floor() as i32);
         let bits = if high < 0 || low > 3 { 0 } else { (2 << high.min(3)) - (1 << low.max(0)) };
@@ -103,7 +108,7 @@ impl Window {
     /// The 16 columns, `a` varying fastest, that an edge of the triangle separates from it.
     #[inline(always)]
     fn outside_projection<S: Lanes>(&self, q: &[[f32; 3]; 3], a: usize, b: usize) -> u64 {
-        let (pad_a, pad_b) = (self.padding(a), self.padding(b));
+        let (pad_a, pad_b) = (self.padding[a], self.padding[b]);
         let mut outside = 0;
         for i in 0..3 {
             let (p, r) = (q[i], q[(i + 1) % 3]);
@@ -130,7 +135,7 @@ impl Window {
         let (low, high) = ends(dot(&n, &q[0]), dot(&n, &q[1]), dot(&n, &q[2]));
         let mut size = 0.0;
         for axis in 0..3 {
-            size += n[axis].abs() * (0.5 + self.padding(axis));
+            size += n[axis].abs() * (0.5 + self.padding[axis]);
         }
         let reach = S::splat(size + 0.5 * (high - low));
         let row = S::splat(n[0]) * S::of(&MIDDLES) - S::splat(0.5 * (low + high));

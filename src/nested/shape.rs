@@ -65,6 +65,29 @@ pub(super) struct Top {
     pub slots: Vec<Slot>,
 }
 
+impl Default for Top {
+    /// No cell.
+    fn default() -> Self {
+        let (half, cell, per_unit) = ([1.0; 3], [2.0; 3], [0.5; 3]);
+        Self { half, cell, per_unit, cells: [0; 3], free: Vec::new(), slots: Vec::new() }
+    }
+}
+
+impl Top {
+    /// A grid of one cell.
+    pub fn one(half: [f32; 3], slot: Slot) -> Self {
+        let (cell, per_unit) = (half.map(|h| 2.0 * h), half.map(|h| 0.5 / h));
+        let free = vec![if slot.count > 0 { 0 } else { u8::MAX }; 8];
+        Self { half, cell, per_unit, cells: [1; 3], free, slots: vec![slot] }
+    }
+
+    /// Place of a cell in the grid, x varying fastest.
+    #[inline(always)]
+    pub fn index(&self, [x, y, z]: [i32; 3]) -> u32 {
+        ((z as u32) * self.cells[1] + y as u32) * self.cells[0] + x as u32
+    }
+}
+
 /// A number of primitives with a box of their own, and one kind of packs.
 #[derive(Clone, Debug)]
 pub(super) struct Part<K> {
@@ -84,6 +107,33 @@ pub(super) enum AnyPart {
     Lists(Part<List>),
 }
 
+/// A kind of packs, and of parts.
+pub(super) trait Kind: Pack {
+    /// The part as one of any kind.
+    fn any(part: Part<Self>) -> AnyPart;
+
+    /// Takes the first part of this kind out of a list.
+    fn take(parts: &mut Vec<AnyPart>) -> Option<Part<Self>>;
+}
+
+macro_rules! kinds {
+    ($($pack:ident $variant:ident),*) => {$(
+        impl Kind for $pack {
+            fn any(part: Part<Self>) -> AnyPart {
+                AnyPart::$variant(part)
+            }
+            fn take(parts: &mut Vec<AnyPart>) -> Option<Part<Self>> {
+                let place = parts.iter().position(|part| matches!(part, AnyPart::$variant(_)))?;
+                match parts.remove(place) {
+                    AnyPart::$variant(part) => Some(part),
+                    _ => unreachable!("it has just been looked at"),
+                }
+            }
+        }
+    )*};
+}
+kinds!(TrianglePack Triangles, SpherePack Spheres, List Lists);
+
 /// All parts, in the order in which rays are sent through them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shape {
@@ -91,6 +141,11 @@ pub(super) struct Shape {
 }
 
 impl<K: Pack> Part<K> {
+    /// Nothing yet, in this frame.
+    pub fn new(frame: Frame) -> Self {
+        Self { frame, top: Top::default(), nodes: Vec::new(), slots: Vec::new(), packs: Vec::new() }
+    }
+
     fn describe(&self, what: &str) -> String {
         let [x, y, z] = self.top.cells;
         let (cells, filled) = (self.top.slots.len(), self.top.slots.iter().filter(|s| s.count > 0).count());

@@ -9,15 +9,19 @@
     allow(unsafe_code, reason = "instructions that must be known to exist before they are run")
 )]
 
-use super::build::{self, Met};
 use super::exact::Exact;
-use super::lanes::Portable;
-use super::raster::Window;
-use super::shape::{Shape, Top};
-use super::source::Source;
+use super::lanes::{Lanes, Portable};
+use super::shape::Shape;
 use super::walk::{self, Outcome};
-use crate::error::Result;
 use crate::ray::Ray;
+
+/// Work that is compiled for each instruction set.
+pub(super) trait Work {
+    type Output;
+
+    /// Does it, with lanes of that set. To be inlined always, and what it calls too.
+    fn run<S: Lanes>(self) -> Self::Output;
+}
 
 /// An instruction set that the walk is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,21 +62,13 @@ impl Isa {
         }
     }
 
-    /// See [`build::windows`].
-    pub fn windows<Src: Source>(self, source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
+    /// Does some work of the builder's in code that is compiled for the instruction set.
+    #[inline]
+    pub fn run<W: Work>(self, work: W) -> W::Output {
         match self {
-            Isa::Portable => build::windows::<Portable, _>(source, top, memory),
+            Isa::Portable => work.run::<Portable>(),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(present) => avx2::windows(present, source, top, memory),
-        }
-    }
-
-    /// See [`build::masks`].
-    pub fn masks<Src: Source>(self, source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
-        match self {
-            Isa::Portable => build::masks::<Portable, _>(source, list, window, masks),
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(present) => avx2::masks(present, source, list, window, masks),
+            Isa::Avx2(present) => avx2::run(present, work),
         }
     }
 }
@@ -81,7 +77,7 @@ impl Isa {
 pub(super) mod avx2 {
     //! Eight lanes of 32 bytes.
 
-    use super::{Exact, Met, Outcome, Ray, Result, Shape, Source, Top, Window, build, walk};
+    use super::{Exact, Outcome, Ray, Shape, Work, walk};
     use crate::nested::lanes::{Lanes, Row};
     #[cfg(test)]
     use crate::nested::{
@@ -120,26 +116,16 @@ pub(super) mod avx2 {
         walk::trace::<Avx2, ()>(shape, ray, any, exact, &mut ())
     }
 
-    /// [`build::windows`] for this instruction set.
-    pub fn windows<Src: Source>(_: Present, source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
+    /// [`Work::run`] for this instruction set.
+    #[inline]
+    pub fn run<W: Work>(_: Present, work: W) -> W::Output {
         // SAFETY: there is a `Present`, so the processor has these instructions.
-        unsafe { windows_here(source, top, memory) }
+        unsafe { run_here(work) }
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn windows_here<Src: Source>(source: &Src, top: &Top, memory: u64) -> Result<Vec<Met>> {
-        build::windows::<Avx2, _>(source, top, memory)
-    }
-
-    /// [`build::masks`] for this instruction set.
-    pub fn masks<Src: Source>(_: Present, source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
-        // SAFETY: there is a `Present`, so the processor has these instructions.
-        unsafe { masks_here(source, list, window, masks) }
-    }
-
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn masks_here<Src: Source>(source: &Src, list: &[u32], window: &Window, masks: &mut Vec<u64>) {
-        build::masks::<Avx2, _>(source, list, window, masks);
+    fn run_here<W: Work>(work: W) -> W::Output {
+        work.run::<Avx2>()
     }
 
     /// What a pack says of a ray, for the tests: survivors, which of them are certain, where, and within which bound.

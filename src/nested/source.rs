@@ -1,4 +1,4 @@
-//! Primitives as the builder sees them, in a part's coordinates: which cells they meet, and how they are packed.
+//! Primitives as the builder sees them: which cells they meet, in a part's coordinates, and how they are packed.
 
 use super::frame::{Frame, PADDING};
 use super::lanes::Lanes;
@@ -10,117 +10,106 @@ use crate::geometry::{Sphere, Triangle};
 use crate::ray::{Aabb, Cell};
 use glam::{DVec3, Vec3};
 
-/// The primitives of a part, numbered from 0.
+/// The primitives of a part, by their indices in the geometry.
 pub(super) trait Source: Sync {
     type Pack: Pack;
 
-    /// Number of primitives.
-    fn len(&self) -> usize;
+    /// A primitive in the part's coordinates.
+    type Local: Copy + Send + Sync;
 
-    /// The box around a primitive, in the part's coordinates.
-    fn bounds(&self, i: usize) -> [[f32; 3]; 2];
+    /// Puts the primitives `prims` in the place of what is in `locals`.
+    fn gather(&self, prims: &[u32], locals: &mut Vec<Self::Local>);
 
     /// The cells of a window that a primitive meets, padded.
-    fn cells<S: Lanes>(&self, i: usize, window: &Window) -> u64;
+    fn cells<S: Lanes>(&self, local: &Self::Local, window: &Window) -> u64;
 
     /// At most eight primitives.
-    fn pack(&self, list: &[u32]) -> Self::Pack;
+    fn pack(&self, prims: &[u32]) -> Self::Pack;
 }
 
-/// A point in a part's coordinates, as f32 has them.
-fn rounded(frame: &Frame, p: glam::Vec3) -> [f32; 3] {
-    frame.local(p.as_dvec3()).as_vec3().to_array()
-}
+/// Writes the primitives of a list, one for each place.
+pub(super) type Fetch<'a, T> = dyn Fn(&[u32], &mut [T]) + Sync + 'a;
 
 /// Triangles.
-pub(super) struct Triangles {
+pub(super) struct Triangles<'a> {
     pub frame: Frame,
-    pub prims: Vec<u32>,
-    pub corners: Vec<Triangle>,
-    local: Vec<[[f32; 3]; 3]>,
+    pub corners: &'a Fetch<'a, Triangle>,
 }
 
-impl Triangles {
-    /// With their indices in the geometry.
-    pub fn new(frame: Frame, prims: Vec<u32>, corners: Vec<Triangle>) -> Self {
-        let local = corners.iter().map(|t| t.map(|p| rounded(&frame, p))).collect();
-        Self { frame, prims, corners, local }
-    }
-}
-
-impl Source for Triangles {
+impl Source for Triangles<'_> {
     type Pack = TrianglePack;
+    type Local = [[f32; 3]; 3];
 
-    fn len(&self) -> usize {
-        self.prims.len()
-    }
-
-    fn bounds(&self, i: usize) -> [[f32; 3]; 2] {
-        let [p, q, r] = self.local[i];
-        [[0, 1, 2].map(|a| p[a].min(q[a]).min(r[a])), [0, 1, 2].map(|a| p[a].max(q[a]).max(r[a]))]
+    fn gather(&self, prims: &[u32], locals: &mut Vec<Self::Local>) {
+        locals.clear();
+        let mut some = [[Vec3::ZERO; 3]; 32];
+        let (centre, scale) = (self.frame.centre.to_array(), self.frame.scale);
+        for prims in prims.chunks(32) {
+            let some = &mut some[..prims.len()];
+            (self.corners)(prims, some);
+            for corners in some {
+                let mut local = [[0.0; 3]; 3];
+                for i in 0..3 {
+                    for axis in 0..3 {
+                        local[i][axis] = ((f64::from(corners[i][axis]) - centre[axis]) * scale) as f32;
+                    }
+                }
+                locals.push(local);
+            }
+        }
     }
 
     #[inline(always)]
-    fn cells<S: Lanes>(&self, i: usize, window: &Window) -> u64 {
-        window.triangle::<S>(&self.local[i])
+    fn cells<S: Lanes>(&self, local: &Self::Local, window: &Window) -> u64 {
+        window.triangle::<S>(local)
     }
 
-    fn pack(&self, list: &[u32]) -> TrianglePack {
-        TrianglePack::new(
-            list.iter().map(|&i| (self.prims[i as usize], self.corners[i as usize].map(|p| self.frame.sized(p)))),
-        )
+    fn pack(&self, prims: &[u32]) -> TrianglePack {
+        let mut corners = [[Vec3::ZERO; 3]; 8];
+        let corners = &mut corners[..prims.len()];
+        (self.corners)(prims, corners);
+        let sized = |corners: &Triangle| corners.map(|p| self.frame.sized(p));
+        TrianglePack::new(prims.iter().zip(&*corners).map(|(&prim, corners)| (prim, sized(corners))))
     }
 }
 
 /// Spheres.
-pub(super) struct Spheres {
-    pub prims: Vec<u32>,
-    /// Centre and radius in the part's coordinates.
-    balls: Vec<(DVec3, f64)>,
-    /// As packs have them.
-    sized: Vec<(Vec3, f32)>,
+pub(super) struct Spheres<'a> {
+    pub frame: Frame,
+    pub spheres: &'a Fetch<'a, Sphere>,
 }
 
-impl Spheres {
-    /// With their indices in the geometry.
-    pub fn new(frame: Frame, prims: Vec<u32>, spheres: &[Sphere]) -> Self {
-        let balls =
-            spheres.iter().map(|s| (frame.local(s.centre.as_dvec3()), f64::from(s.radius) * frame.scale)).collect();
-        let sized =
-            spheres.iter().map(|s| (frame.sized(s.centre), (f64::from(s.radius) * frame.scale) as f32)).collect();
-        Self { prims, balls, sized }
-    }
+const NO_SPHERE: Sphere = Sphere { centre: Vec3::ZERO, radius: 0.0 };
 
-    /// As f32 has them.
-    fn ball(&self, i: usize) -> ([f32; 3], f32) {
-        let (centre, radius) = self.balls[i];
-        (centre.as_vec3().to_array(), radius as f32)
-    }
-}
-
-impl Source for Spheres {
+impl Source for Spheres<'_> {
     type Pack = SpherePack;
+    /// Centre and radius.
+    type Local = ([f32; 3], f32);
 
-    fn len(&self) -> usize {
-        self.prims.len()
-    }
-
-    fn bounds(&self, i: usize) -> [[f32; 3]; 2] {
-        let (centre, radius) = self.ball(i);
-        [centre.map(|x| x - radius), centre.map(|x| x + radius)]
+    fn gather(&self, prims: &[u32], locals: &mut Vec<Self::Local>) {
+        locals.clear();
+        let mut some = [NO_SPHERE; 32];
+        for prims in prims.chunks(32) {
+            let some = &mut some[..prims.len()];
+            (self.spheres)(prims, some);
+            locals.extend(some.iter().map(|s| {
+                let centre = self.frame.local(s.centre.as_dvec3()).as_vec3().to_array();
+                (centre, (f64::from(s.radius) * self.frame.scale) as f32)
+            }));
+        }
     }
 
     #[inline(always)]
-    fn cells<S: Lanes>(&self, i: usize, window: &Window) -> u64 {
-        let (centre, radius) = self.ball(i);
-        window.sphere::<S>(&centre, radius)
+    fn cells<S: Lanes>(&self, local: &Self::Local, window: &Window) -> u64 {
+        window.sphere::<S>(&local.0, local.1)
     }
 
-    fn pack(&self, list: &[u32]) -> SpherePack {
-        SpherePack::new(list.iter().map(|&i| {
-            let (centre, radius) = self.sized[i as usize];
-            (self.prims[i as usize], centre, radius)
-        }))
+    fn pack(&self, prims: &[u32]) -> SpherePack {
+        let mut spheres = [NO_SPHERE; 8];
+        let spheres = &mut spheres[..prims.len()];
+        (self.spheres)(prims, spheres);
+        let radius = |s: &Sphere| (f64::from(s.radius) * self.frame.scale) as f32;
+        SpherePack::new(prims.iter().zip(&*spheres).map(|(&prim, s)| (prim, self.frame.sized(s.centre), radius(s))))
     }
 }
 
@@ -130,32 +119,25 @@ pub(super) type Overlaps<'a> = dyn Fn(u32, &Cell) -> bool + Sync + 'a;
 /// Primitives of which only boxes are known, and what they overlap.
 pub(super) struct Others<'a> {
     pub frame: Frame,
-    pub prims: Vec<u32>,
-    bounds: Vec<[[f32; 3]; 2]>,
-    overlaps: &'a Overlaps<'a>,
-}
-
-impl<'a> Others<'a> {
-    /// With their indices in the geometry.
-    pub fn new(frame: Frame, prims: Vec<u32>, bounds: &[Aabb], overlaps: &'a Overlaps<'a>) -> Self {
-        let bounds = bounds.iter().map(|b| [rounded(&frame, b.min), rounded(&frame, b.max)]).collect();
-        Self { frame, prims, bounds, overlaps }
-    }
+    /// By index in the geometry.
+    pub boxes: &'a [Aabb],
+    pub overlaps: &'a Overlaps<'a>,
 }
 
 impl Source for Others<'_> {
     type Pack = List;
+    /// The index, and the box in the part's coordinates.
+    type Local = (u32, [[f32; 3]; 2]);
 
-    fn len(&self) -> usize {
-        self.prims.len()
+    fn gather(&self, prims: &[u32], locals: &mut Vec<Self::Local>) {
+        locals.clear();
+        locals.extend(prims.iter().map(|&prim| {
+            let Aabb { min, max } = self.boxes[prim as usize];
+            (prim, [min, max].map(|p| self.frame.local(p.as_dvec3()).as_vec3().to_array()))
+        }));
     }
 
-    fn bounds(&self, i: usize) -> [[f32; 3]; 2] {
-        self.bounds[i]
-    }
-
-    fn cells<S: Lanes>(&self, i: usize, window: &Window) -> u64 {
-        let [min, max] = self.bounds[i];
+    fn cells<S: Lanes>(&self, &(prim, [min, max]): &Self::Local, window: &Window) -> u64 {
         let block = window.aabb(&min, &max);
         let mut mask = 0;
         for bit in (0..64).filter(|bit| block >> bit & 1 != 0) {
@@ -167,14 +149,14 @@ impl Source for Others<'_> {
             let corner =
                 |more, sign| self.frame.world(DVec3::new(end(0, more, sign), end(1, more, sign), end(2, more, sign)));
             let cell = Cell { min: corner(0, -1.0), max: corner(1, 1.0) };
-            if (self.overlaps)(self.prims[i], &cell) {
+            if (self.overlaps)(prim, &cell) {
                 mask |= 1 << bit;
             }
         }
         mask
     }
 
-    fn pack(&self, list: &[u32]) -> List {
-        List::new(list.iter().map(|&i| self.prims[i as usize]))
+    fn pack(&self, prims: &[u32]) -> List {
+        List::new(prims.iter().copied())
     }
 }

@@ -6,12 +6,16 @@
 //! often much smaller.
 
 use crate::ray::Aabb;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use std::borrow::Cow;
 
-/// Primitives that belong together, by their place in the list of boxes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Group {
-    pub members: Vec<u32>,
+/// Primitives that belong together.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Group<'a> {
+    /// Indices of boxes, ascending.
+    pub members: Cow<'a, [u32]>,
+    /// The box around them.
+    pub bounds: Aabb,
     /// True if they are tested without a grid.
     pub loose: bool,
 }
@@ -22,33 +26,33 @@ const DEPTH: u32 = 6;
 /// At most so many groups are split off a group at once: every ray is asked whether it meets each of them.
 const MOST: usize = 6;
 
-/// Groups of the primitives in `boxes`; every primitive is in one.
-pub(super) fn split(boxes: &[Aabb]) -> Vec<Group> {
+/// Groups of the primitives `members`; every one is in one. Boxes are by index.
+pub(super) fn split<'a>(boxes: &[Aabb], members: &'a [u32]) -> Vec<Group<'a>> {
     let mut groups = Vec::new();
-    split_further(boxes, (0..boxes.len() as u32).collect(), DEPTH, &mut groups);
+    split_further(boxes, Cow::Borrowed(members), DEPTH, &mut groups);
     groups
 }
 
-fn split_further(boxes: &[Aabb], members: Vec<u32>, depth: u32, groups: &mut Vec<Group>) {
+fn split_further<'a>(boxes: &[Aabb], members: Cow<'a, [u32]>, depth: u32, groups: &mut Vec<Group<'a>>) {
+    let bounds = around(boxes, &members);
     if depth == 0 || members.len() < 64 {
-        groups.push(Group { members, loose: false });
+        groups.push(Group { members, bounds, loose: false });
         return;
     }
-    let members = without_large(boxes, members, groups);
-    let whole = around(boxes, &members);
-    let objects = dense_objects(boxes, &members, &whole);
+    let (members, bounds) = without_large(boxes, members, bounds, groups);
+    let objects = dense_objects(boxes, &members, &bounds);
     if objects.is_empty() {
-        groups.push(Group { members, loose: false });
+        groups.push(Group { members, bounds, loose: false });
         return;
     }
     let mut apart = vec![false; boxes.len()];
     for object in objects {
         object.iter().for_each(|&i| apart[i as usize] = true);
-        split_further(boxes, object, depth - 1, groups);
+        split_further(boxes, Cow::Owned(object), depth - 1, groups);
     }
-    let rest: Vec<u32> = members.into_iter().filter(|&i| !apart[i as usize]).collect();
+    let rest: Vec<u32> = members.iter().copied().filter(|&i| !apart[i as usize]).collect();
     if !rest.is_empty() {
-        split_further(boxes, rest, depth - 1, groups);
+        split_further(boxes, Cow::Owned(rest), depth - 1, groups);
     }
 }
 
@@ -66,22 +70,26 @@ fn area(aabb: &Aabb) -> f64 {
     e.x * e.y + e.y * e.z + e.z * e.x
 }
 
-/// Takes out a pack of primitives that are more than half as long as the box along two axes, if the box gets smaller for it.
-fn without_large(boxes: &[Aabb], members: Vec<u32>, groups: &mut Vec<Group>) -> Vec<u32> {
-    let whole = around(boxes, &members);
+/// Takes out a pack of primitives that are more than half as long as the box along two axes, if the box gets smaller for it; what
+/// remains and its box.
+fn without_large<'a>(
+    boxes: &[Aabb],
+    members: Cow<'a, [u32]>,
+    whole: Aabb,
+    groups: &mut Vec<Group<'a>>,
+) -> (Cow<'a, [u32]>, Aabb) {
     let size = extent(&whole);
     // Along a flat axis everything is as long as the box.
     let flat = size.cmplt(DVec3::splat(size.max_element() / 1024.0));
-    let flat = [flat.x, flat.y, flat.z];
-    let needed = 3 - flat.iter().filter(|&&f| f).count();
-    let is_large = |i: u32| {
-        let e = extent(&boxes[i as usize]);
-        let long = (0..3).filter(|&a| !flat[a] && e[a] > 0.5 * size[a]).count();
-        long >= needed.min(2)
+    let needed = (3 - flat.bitmask().count_ones()).min(2);
+    let half = (0.5 * size).as_vec3();
+    let is_large = |&i: &u32| {
+        let Aabb { min, max } = boxes[i as usize];
+        ((max - min).cmpgt(half).bitmask() & !flat.bitmask()).count_ones() >= needed
     };
-    let large: Vec<u32> = members.iter().copied().filter(|&i| is_large(i)).take(17).collect();
+    let large: Vec<u32> = members.iter().copied().filter(is_large).take(17).collect();
     if large.is_empty() || large.len() > 16 {
-        return members;
+        return (members, whole);
     }
     let rest: Vec<u32> = members.iter().copied().filter(|i| large.binary_search(i).is_err()).collect();
     let left = around(boxes, &rest);
@@ -90,58 +98,70 @@ fn without_large(boxes: &[Aabb], members: Vec<u32>, groups: &mut Vec<Group>) -> 
     // Two packs only if there is something small in what remains.
     let pays = share < wanted && (large.len() <= 8 || !dense_objects(boxes, &rest, &left).is_empty());
     if !pays {
-        return members;
+        return (members, whole);
     }
-    groups.push(Group { members: large, loose: true });
-    rest
+    let bounds = around(boxes, &large);
+    groups.push(Group { members: Cow::Owned(large), bounds, loose: true });
+    (Cow::Owned(rest), left)
 }
 
 /// Cells of the probe along each axis.
 const PROBE: usize = 16;
 
+/// So many primitives are enough to see what is connected.
+const ENOUGH: usize = 1 << 15;
+
 /// What is connected in a coarse grid, small beside it and rich in primitives; nothing if that is not much of it all.
+///
+/// Of many primitives only some are looked at, at equal distances in the list. Then a primitive may begin where none was seen: it
+/// stays with the rest.
 fn dense_objects(boxes: &[Aabb], members: &[u32], whole: &Aabb) -> Vec<Vec<u32>> {
     let size = extent(whole).max(DVec3::splat(extent(whole).max_element() / 1024.0));
     if size.max_element() == 0.0 {
         return Vec::new();
     }
-    let per_unit = DVec3::splat(PROBE as f64) / size;
-    let place = |p: glam::Vec3| {
-        let p = (p.as_dvec3() - whole.min.as_dvec3()) * per_unit;
-        [p.x, p.y, p.z].map(|x| (x as usize).min(PROBE - 1))
+    let (begin, per_unit) = (whole.min.as_dvec3(), DVec3::splat(PROBE as f64) / size);
+    let place = |p: Vec3| {
+        let p = (p.as_dvec3() - begin) * per_unit;
+        [p.x, p.y, p.z].map(|x| (x as u32 as usize).min(PROBE - 1))
     };
     let index = |x: usize, y: usize, z: usize| (z * PROBE + y) * PROBE + x;
     let mut object = vec![EMPTY; PROBE * PROBE * PROBE];
-    for &i in members {
-        let (low, high) = (place(boxes[i as usize].min), place(boxes[i as usize].max));
+    // How many primitives begin in each cell, and the box around them.
+    let mut begun = vec![(0_usize, Aabb::EMPTY); PROBE * PROBE * PROBE];
+    let stride = (members.len() / ENOUGH).max(1);
+    for &i in members.iter().step_by(stride) {
+        let aabb = &boxes[i as usize];
+        let (low, high) = (place(aabb.min), place(aabb.max));
+        let (number, all) = &mut begun[index(low[0], low[1], low[2])];
+        (*number, *all) = (*number + 1, all.union(aabb));
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 object[index(low[0], y, z)..=index(high[0], y, z)].fill(FULL);
             }
         }
     }
+    let seen = members.len().div_ceil(stride);
     let count = number(&mut object);
     let mut found = vec![(0_usize, Aabb::EMPTY); count];
-    let of = |i: u32| {
-        let [x, y, z] = place(boxes[i as usize].min);
-        object[index(x, y, z)] as usize
-    };
-    for &i in members {
-        let (number, all) = &mut found[of(i)];
-        (*number, *all) = (*number + 1, all.union(&boxes[i as usize]));
+    for (&object, (number, all)) in object.iter().zip(&begun).filter(|(_, begun)| begun.0 > 0) {
+        let found = &mut found[object as usize];
+        *found = (found.0 + number, found.1.union(all));
     }
     let mut dense: Vec<usize> =
-        (0..count).filter(|&c| found[c].0 * 25 >= members.len() && area(&found[c].1) < 0.2 * area(whole)).collect();
+        (0..count).filter(|&c| found[c].0 * 25 >= seen && area(&found[c].1) < 0.2 * area(whole)).collect();
     dense.sort_by_key(|&c| std::cmp::Reverse(found[c].0));
     dense.truncate(MOST);
     let primitives: usize = dense.iter().map(|&c| found[c].0).sum();
     let surface: f64 = dense.iter().map(|&c| area(&found[c].1)).sum();
-    if primitives * 4 < members.len() || surface > 0.4 * area(whole) {
+    if primitives * 4 < seen || surface > 0.4 * area(whole) {
         return Vec::new();
     }
     let mut objects = vec![Vec::new(); dense.len()];
     for &i in members {
-        if let Some(place) = dense.iter().position(|&c| c == of(i)) {
+        let [x, y, z] = place(boxes[i as usize].min);
+        let of = object[index(x, y, z)] as usize;
+        if let Some(place) = dense.iter().position(|&c| c == of) {
             objects[place].push(i);
         }
     }
@@ -184,7 +204,20 @@ fn number(cells: &mut [u32]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+
+    /// Sizes of the groups of all boxes, and which are loose.
+    fn groups(boxes: &[Aabb]) -> Vec<(usize, bool)> {
+        let all: Vec<u32> = (0..boxes.len() as u32).collect();
+        let groups = split(boxes, &all);
+        let mut together: Vec<u32> = groups.iter().flat_map(|group| group.members.to_vec()).collect();
+        together.sort_unstable();
+        assert_eq!(together, all, "each is in one group");
+        for group in &groups {
+            assert!(group.members.is_sorted());
+            assert_eq!(group.bounds, around(boxes, &group.members));
+        }
+        groups.iter().map(|group| (group.members.len(), group.loose)).collect()
+    }
 
     /// `n^3` small boxes in a cube.
     fn lattice(n: usize, centre: Vec3, size: f32) -> Vec<Aabb> {
@@ -201,8 +234,8 @@ mod tests {
     #[test]
     fn one_object_stays_whole() {
         let boxes = lattice(10, Vec3::ZERO, 1.0);
-        assert_eq!(split(&boxes), [Group { members: (0..1000).collect(), loose: false }]);
-        assert_eq!(split(&[]), [Group { members: vec![], loose: false }]);
+        assert_eq!(groups(&boxes), [(1000, false)]);
+        assert_eq!(groups(&[]), [(0, false)]);
     }
 
     #[test]
@@ -214,11 +247,7 @@ mod tests {
         boxes.extend([ground, ground]);
         let far = Aabb { min: Vec3::splat(900.0), max: Vec3::splat(901.0) };
         boxes.push(far);
-        let groups = split(&boxes);
-        let mut all: Vec<u32> = groups.iter().flat_map(|g| g.members.clone()).collect();
-        all.sort_unstable();
-        assert_eq!(all, (0..3003).collect::<Vec<_>>(), "each is in one group");
-        let sizes: Vec<(usize, bool)> = groups.iter().map(|g| (g.members.len(), g.loose)).collect();
+        let sizes = groups(&boxes);
         assert_eq!(sizes, [(2, true), (1000, false), (1000, false), (1000, false), (1, false)]);
     }
 }

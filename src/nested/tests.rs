@@ -235,7 +235,7 @@ fn primitives_are_in_all_cells_that_they_meet() {
     for i in 0..4000 {
         let size = [0.05, 0.5, 2.0][i % 3];
         let corners = soup(&mut random, 1, size)[0].map(|p| (p * [1.0, 0.2][i % 2]).to_array());
-        let window = raster::Window { low: [-0.25, -0.2, -0.15], cell: [0.125, 0.1, 0.07] };
+        let window = raster::Window::new([-0.25, -0.2, -0.15], [0.125, 0.1, 0.07]);
         let cells = window.triangle::<Portable>(&corners);
         let ball = window.sphere::<Portable>(&corners[0], size * 0.25);
         // Points of the triangle and of the sphere must be in cells that are listed.

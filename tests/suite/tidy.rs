@@ -9,14 +9,15 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("ray", &[]),
     ("random", &[]),
     ("npy", &[]),
+    ("parallel", &[]),
     // Shares nothing with what it judges.
     ("oracle", &["ray"]),
     ("picture", &["error"]),
     ("geometry", &["error", "ray"]),
-    ("accel", &["geometry", "ray"]),
-    ("grid", &["accel", "error", "geometry", "ray"]),
+    ("accel", &["geometry", "parallel", "ray"]),
+    ("grid", &["accel", "error", "geometry", "parallel", "ray"]),
     ("bsp", &["accel", "error", "geometry", "ray"]),
-    ("nested", &["accel", "error", "geometry", "grid", "ray"]),
+    ("nested", &["accel", "error", "geometry", "grid", "parallel", "ray"]),
     ("adapters", &["accel", "error", "geometry", "ray"]),
     // Only the registry names an adapter.
     ("registry", &["accel", "adapters", "bsp", "error", "geometry", "grid", "nested"]),

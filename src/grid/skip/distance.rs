@@ -10,14 +10,14 @@
 //! coordinates. A face is 0 to 5: +x, -x, +y, -y, +z, -z.
 
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
+use crate::parallel;
 
 /// "255 or more".
 pub(super) const FAR: u8 = u8::MAX;
 
 /// City-block distance to the nearest filled voxel in any direction; 0 in filled voxels.
 pub(super) fn city_block(occupancy: &Occupancy) -> Vec<u8> {
-    let mut plane = seeds(occupancy);
+    let mut plane = filled(occupancy);
     for axis in 0..3 {
         sweep(&mut plane, occupancy.resolution, axis, false);
         sweep(&mut plane, occupancy.resolution, axis, true);
@@ -28,7 +28,7 @@ pub(super) fn city_block(occupancy: &Occupancy) -> Vec<u8> {
 /// City-block distance to the nearest filled voxel in each of the eight closed octants; 0 in filled voxels.
 pub(super) fn city_block_octants(occupancy: &Occupancy) -> Vec<Vec<u8>> {
     // Octants that agree on the first axes share their sweeps: 2 + 4 + 8 instead of 8 times 3.
-    let mut planes = vec![seeds(occupancy)];
+    let mut planes = vec![filled(occupancy)];
     for axis in 0..3 {
         let both = planes.into_iter().flat_map(|plane| [(plane.clone(), false), (plane, true)]);
         let swept = parallel::map(both, |(mut plane, lesser)| {
@@ -44,7 +44,11 @@ pub(super) fn city_block_octants(occupancy: &Occupancy) -> Vec<Vec<u8>> {
 
 /// Chebyshev distance to the nearest filled voxel in each of the eight closed octants; 0 in filled voxels.
 pub(super) fn chebyshev_octants(occupancy: &Occupancy) -> Vec<Vec<u8>> {
-    parallel::map(0..8, |octant| chebyshev_octant(occupancy, octant))
+    parallel::map(0..8, |octant| {
+        let mut plane = filled(occupancy);
+        chebyshev_octant(&mut plane, occupancy.resolution, octant);
+        plane
+    })
 }
 
 /// The least of some planes in each voxel.
@@ -56,8 +60,13 @@ pub(super) fn least(planes: &[&[u8]]) -> Vec<u8> {
     least
 }
 
-fn seeds(occupancy: &Occupancy) -> Vec<u8> {
-    occupancy.filled.iter().map(|&filled| if filled { 0 } else { FAR }).collect()
+fn filled(occupancy: &Occupancy) -> Vec<u8> {
+    seeds(occupancy.filled.iter().copied()).collect()
+}
+
+/// Where distances begin: 0 in filled voxels, far in others.
+pub(super) fn seeds(filled: impl Iterator<Item = bool>) -> impl Iterator<Item = u8> {
+    filled.map(|filled| if filled { 0 } else { FAR })
 }
 
 /// Lowers each distance to at most one more than that of its neighbour towards greater (or `lesser`) coordinates.
@@ -100,10 +109,8 @@ fn pull_rows(mut rows: Vec<&mut [u8]>, lesser: bool) {
 }
 
 /// One more than the least of the seven neighbours in the octant, slab by slab and row by row from its far corner.
-fn chebyshev_octant(occupancy: &Occupancy, octant: usize) -> Vec<u8> {
-    let [nx, ny, nz] = occupancy.resolution;
+pub(super) fn chebyshev_octant(plane: &mut [u8], [nx, ny, nz]: [usize; 3], octant: usize) {
     let lesser = [octant & 1 != 0, octant & 2 != 0, octant & 4 != 0];
-    let mut plane = seeds(occupancy);
     // The least of the three rows ahead: beside, above, and both; one longer than a row, so that every voxel has one ahead.
     let mut ahead = vec![FAR; nx + 2];
     for k in 0..nz {
@@ -131,12 +138,11 @@ fn chebyshev_octant(occupancy: &Occupancy, octant: usize) -> Vec<u8> {
             }
         }
     }
-    plane
 }
 
 /// Number of empty voxels from each voxel straight on across `face`, itself included.
 pub(super) fn run(occupancy: &Occupancy, face: usize) -> Vec<u8> {
-    let mut plane = seeds(occupancy);
+    let mut plane = filled(occupancy);
     sweep(&mut plane, occupancy.resolution, face / 2, face % 2 == 1);
     plane
 }

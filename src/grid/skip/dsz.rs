@@ -22,8 +22,8 @@ use super::region::{Diamond, corner};
 use super::slot::{Eight, Slot};
 use super::{Method, SkipOptions};
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
 use crate::grid::walk::Walk;
+use crate::parallel;
 
 /// City-block distances to the nearest filled voxel beyond each face: six bytes, in a slot of eight.
 ///

@@ -19,8 +19,8 @@ use super::region::{Diamond, coordinate, corner};
 use super::slot::{Eight, Slot};
 use super::{Method, SkipOptions};
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
 use crate::grid::walk::Walk;
+use crate::parallel;
 use crate::ray::lesser;
 
 /// City-block distance, limited to the lanes' half width, and the extents E towards each face: seven bytes, in a slot of eight.

@@ -40,6 +40,7 @@ pub use table::Table;
 use super::occupancy::Occupancy;
 use super::walk::Walk;
 use crate::accel::Memory;
+use crate::parallel;
 
 /// What a walk finds in a voxel.
 pub enum Look<'a> {
@@ -108,9 +109,14 @@ pub trait Method: Send + Sync + 'static {
 
 /// For each octant of directions and each voxel, x varying fastest, the edge of the cube of empty voxels that begins with it and
 /// reaches along the octant; 0 if it is filled, 255 for "255 or more". Bit `a` of an octant is set if it points to lesser
-/// coordinates along axis `a`.
-pub(crate) fn free_cubes(resolution: [usize; 3], filled: Vec<bool>) -> Vec<Vec<u8>> {
-    distance::chebyshev_octants(&Occupancy { resolution, filled })
+/// coordinates along axis `a`. The old content of `free` is lost and its memory used again.
+pub(crate) fn free_cubes(resolution: [usize; 3], filled: impl Iterator<Item = bool> + Clone, free: &mut Vec<u8>) {
+    free.clear();
+    (0..8).for_each(|_| free.extend(distance::seeds(filled.clone())));
+    let voxels = resolution.iter().product::<usize>().max(1);
+    parallel::each(free.chunks_mut(voxels).enumerate(), |(octant, plane)| {
+        distance::chebyshev_octant(plane, resolution, octant);
+    });
 }
 
 #[cfg(test)]

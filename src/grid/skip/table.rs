@@ -5,8 +5,8 @@ use crate::accel::Memory;
 use crate::error::{Error, Result};
 use crate::grid::cells::Cells;
 use crate::grid::occupancy::Occupancy;
-use crate::grid::parallel;
 use crate::grid::walk::Walk;
+use crate::parallel;
 use std::marker::PhantomData;
 
 /// The voxels of a grid with the distances of method `M` in slots `T`.

@@ -1,0 +1,213 @@
+//! Cells of the grid on top cut into nodes, and their primitives listed at the leaves.
+
+use super::frame::PADDING;
+use super::lanes::Lanes;
+use super::limit::Limit;
+use super::options::Settings;
+use super::raster::Window;
+use super::shape::{Node, Slot};
+use super::simd::{Isa, Work};
+use super::source::Source;
+use crate::geometry::NO_PRIM;
+use std::ops::Range;
+
+/// Cells with a shorter edge are not made, in a part's coordinates: eight paddings.
+pub(super) const LEAST_CELL: f32 = 8.0 * PADDING;
+
+/// What comes of some cells in a row: nodes, their slots and packs are counted from the piece's own begin.
+#[derive(Clone, Debug)]
+pub(super) struct Piece<L> {
+    /// Which cells of the grid.
+    pub cells: Range<usize>,
+    pub nodes: Vec<Node>,
+    pub slots: Vec<Slot>,
+    /// The primitives of eight lanes for each pack; [`NO_PRIM`] where a lane holds none.
+    pub lanes: Vec<u32>,
+    /// The primitives of the cell that is being cut.
+    locals: Vec<L>,
+    /// Lists of parts of it, one behind the other, as places in `locals`.
+    lists: Vec<u32>,
+    /// For each primitive of the list that is being cut, the cells that it meets.
+    masks: Vec<u64>,
+}
+
+impl<L> Default for Piece<L> {
+    fn default() -> Self {
+        Self {
+            cells: 0..0,
+            nodes: Vec::new(),
+            slots: Vec::new(),
+            lanes: Vec::new(),
+            locals: Vec::new(),
+            lists: Vec::new(),
+            masks: Vec::new(),
+        }
+    }
+}
+
+impl<L> Piece<L> {
+    /// Begins anew with these cells, in the same memory.
+    pub fn clear(&mut self, cells: Range<usize>) {
+        self.cells = cells;
+        self.nodes.clear();
+        self.slots.clear();
+        self.lanes.clear();
+    }
+
+    /// Number of packs.
+    pub fn packs(&self) -> usize {
+        self.lanes.len() / 8
+    }
+}
+
+/// Cuts cells.
+pub(super) struct Cutter<'a, Src: Source> {
+    pub source: &'a Src,
+    pub settings: &'a Settings,
+    pub isa: Isa,
+    pub limit: &'a Limit,
+}
+
+impl<Src: Source> Cutter<'_, Src> {
+    /// What becomes of the cell of the grid on top that begins at `low` and meets `prims`.
+    pub fn top(&self, prims: &[u32], low: [f32; 3], size: [f32; 3], piece: &mut Piece<Src::Local>) -> Slot {
+        if !self.may_cut(prims.len(), &size) {
+            return self.leaf(piece, prims.len(), |_, i| prims[i]);
+        }
+        self.source.gather(prims, &mut piece.locals);
+        piece.lists.clear();
+        piece.lists.extend(0..prims.len() as u32);
+        self.cell(prims, 0..prims.len(), low, size, piece)
+    }
+
+    /// A node costs as much as some packs: fewer are tested at once.
+    fn may_cut(&self, primitives: usize, size: &[f32; 3]) -> bool {
+        primitives.div_ceil(8) as f32 > self.settings.node_cost && size.iter().all(|&edge| 0.25 * edge >= LEAST_CELL)
+    }
+
+    /// Cuts the cell that begins at `low` and meets the primitives of `piece.lists[range]`, if that is worth it.
+    fn cell(
+        &self,
+        prims: &[u32],
+        range: Range<usize>,
+        low: [f32; 3],
+        size: [f32; 3],
+        piece: &mut Piece<Src::Local>,
+    ) -> Slot {
+        let len = range.len();
+        let leaf = |piece: &mut Piece<Src::Local>| {
+            self.leaf(piece, len, |piece, i| prims[piece.lists[range.start + i] as usize])
+        };
+        if !self.may_cut(len, &size) {
+            return leaf(piece);
+        }
+        let window = Window::new(low, size.map(|x| 0.25 * x));
+        let Piece { locals, lists, masks, .. } = piece;
+        let counts =
+            self.isa.run(Masks { source: self.source, locals, list: &lists[range.clone()], window: &window, masks });
+        // The chance that a ray through a box meets a convex part of it is the quotient of their surfaces: a sixteenth.
+        let below: u32 = counts.iter().map(|n| n.div_ceil(8)).sum();
+        let packs = len.div_ceil(8) as f32;
+        if self.settings.node_cost + below as f32 / 16.0 + self.settings.growth * (below as f32 - packs) >= packs {
+            return leaf(piece);
+        }
+        let begin = lists.len();
+        let mut next = [0_usize; 64];
+        let (mut mask, mut end) = (0, begin);
+        for (i, &n) in counts.iter().enumerate() {
+            next[i] = end;
+            end += n as usize;
+            mask |= u64::from(n > 0) << i;
+        }
+        if !self.limit.lend(4 * end as u64) || self.limit.exceeded() {
+            return Slot::EMPTY;
+        }
+        lists.resize(end, 0);
+        for (at, &cells) in range.clone().zip(&*masks) {
+            let (local, mut cells) = (lists[at], cells);
+            while cells != 0 {
+                let cell = cells.trailing_zeros() as usize;
+                lists[next[cell]] = local;
+                next[cell] += 1;
+                cells &= cells - 1;
+            }
+        }
+        let index = piece.nodes.len();
+        let base = piece.slots.len();
+        let centre = [0, 1, 2].map(|a| low[a] + 2.0 * window.cell[a]);
+        piece.nodes.push(Node { mask, centre, cell: window.cell, base: base as u32 });
+        piece.slots.resize(base + mask.count_ones() as usize, Slot::EMPTY);
+        for (slot, cell) in (base..).zip((0..64).filter(|cell| mask >> cell & 1 != 0)) {
+            let at = [cell & 3, cell >> 2 & 3, cell >> 4];
+            let low = [0, 1, 2].map(|a| low[a] + at[a] as f32 * window.cell[a]);
+            let list = next[cell] - counts[cell] as usize..next[cell];
+            piece.slots[slot] = self.cell(prims, list, low, window.cell, piece);
+        }
+        piece.lists.truncate(begin);
+        Slot::node(index as u32)
+    }
+
+    /// The lanes of a leaf of `len` primitives.
+    fn leaf(&self, piece: &mut Piece<Src::Local>, len: usize, prim: impl Fn(&Piece<Src::Local>, usize) -> u32) -> Slot {
+        let (first, count) = (piece.packs(), len.div_ceil(8));
+        if !self.limit.take((count * (32 + size_of::<Src::Pack>())) as u64) {
+            return Slot::EMPTY;
+        }
+        piece.lanes.reserve(8 * count);
+        for i in 0..len {
+            let prim = prim(piece, i);
+            piece.lanes.push(prim);
+        }
+        piece.lanes.resize(8 * (first + count), NO_PRIM);
+        Slot { first: first as u32, count: count as u32 }
+    }
+}
+
+/// Finds the cells of a window that each primitive of a list meets, and how many meet each cell.
+struct Masks<'a, Src: Source> {
+    source: &'a Src,
+    locals: &'a [Src::Local],
+    /// Places in `locals`.
+    list: &'a [u32],
+    window: &'a Window,
+    /// One for each primitive of the list.
+    masks: &'a mut Vec<u64>,
+}
+
+impl<Src: Source> Work for Masks<'_, Src> {
+    type Output = [u32; 64];
+
+    #[inline(always)]
+    fn run<S: Lanes>(self) -> [u32; 64] {
+        let Self { source, locals, list, window, masks } = self;
+        let mut counts = [0; 64];
+        masks.clear();
+        masks.reserve(list.len());
+        for &i in list {
+            let mask = source.cells::<S>(&locals[i as usize], window);
+            masks.push(mask);
+            let mut cells = mask;
+            while cells != 0 {
+                counts[cells.trailing_zeros() as usize & 63] += 1;
+                cells &= cells - 1;
+            }
+        }
+        counts
+    }
+}
+
+/// Makes a pack of eight lanes.
+pub(super) struct Fill<'a, Src: Source> {
+    pub source: &'a Src,
+    pub lanes: &'a [u32],
+}
+
+impl<Src: Source> Work for Fill<'_, Src> {
+    type Output = Src::Pack;
+
+    #[inline(always)]
+    fn run<S: Lanes>(self) -> Src::Pack {
+        let filled = self.lanes.iter().position(|&prim| prim == NO_PRIM).unwrap_or(self.lanes.len());
+        self.source.pack(&self.lanes[..filled])
+    }
+}
