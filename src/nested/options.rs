@@ -55,13 +55,13 @@ impl Settings {
     pub fn triangles(quality: Quality) -> Self {
         match quality {
             Quality::Fast => Self { density: 0.12, node_cost: 96.0, growth: 0.3 },
-            Quality::Default => Self { density: 0.15, node_cost: 32.0, growth: 0.3 },
-            Quality::Best => Self { density: 0.25, node_cost: 24.0, growth: 0.2 },
+            Quality::Default => Self { density: 0.2, node_cost: 12.0, growth: 0.1 },
+            Quality::Best => Self { density: 0.3, node_cost: 8.0, growth: 0.05 },
         }
     }
 
     /// For spheres.
     pub fn spheres(quality: Quality) -> Self {
-        Self { density: 0.1, ..Self::triangles(quality) }
+        Self { density: 0.2, ..Self::triangles(quality) }
     }
 }

@@ -347,14 +347,12 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     }
 
     /// The lanes that need not be looked at one by one, where many primitives are near the ray.
-    #[inline(never)]
+    #[inline(always)]
     fn crowd(&self, pack: &K) -> u32 {
         let mut beaten = 0;
         if let Some((corner, winner)) = &self.corner {
-            beaten = pack.lanes_at::<S>(corner);
-            for (lane, prim) in pack.prims().iter().enumerate() {
-                beaten &= !(u32::from(prim < winner) << lane);
-            }
+            let later = pack.prims().iter().zip(0..).map(|(prim, lane)| u32::from(prim > winner) << lane);
+            beaten = pack.lanes_at::<S>(corner) & later.fold(0, |all, lane| all | lane);
         }
         if beaten == 0xff { beaten } else { beaten | pack.missed(&self.entry.sight, self.limit) }
     }
