@@ -266,7 +266,7 @@ mod tests {
         let mut nested = Nested::build(scene(0.0), &options).expect("enough memory");
         let mut large = scene(0.0);
         let mut random = Random::new(22);
-        large.triangles.extend((0..3000).map(|_| [random.in_cube(), random.in_cube(), random.in_cube()]));
+        large.triangles.extend((0..20_000).map(|_| [random.in_cube(), random.in_cube(), random.in_cube()]));
         let error = nested.rebuild(large.clone()).expect_err("more than 4 MiB").to_string();
         assert!(error.contains("allowed are"), "{error}");
         let brute = BruteForce::new(&large);

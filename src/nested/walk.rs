@@ -33,6 +33,9 @@ pub(super) fn trace_counted(
 /// More than the rounding of a parameter to f32, relative to it.
 const EASE: f64 = 1.0 / (1 << 23) as f64;
 
+/// Parameters known to f64 are known within this, relative to them.
+const CLOSE: f64 = 1.0 / (1 << 30) as f64;
+
 /// Nodes above one another at most: cells are not cut below [`super::build::LEAST_CELL`].
 const DEPTH: usize = 12;
 
@@ -362,11 +365,13 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     fn settle(&mut self) {
         if let Some((pack, lane)) = self.pending.take() {
             let prim = pack.prims()[lane];
-            let known = match pack.judge(lane, &self.entry.sight, f32::INFINITY) {
-                Verdict::Hit { p, bound } => {
-                    let (t, err) = self.entry.parameter(p, bound);
-                    self.exact.replace(prim, t, err)
-                }
+            let found = match pack.judge(lane, &self.entry.sight, f32::INFINITY) {
+                Verdict::Hit { p, bound } => Some(self.entry.parameter(p, bound)),
+                _ => None,
+            };
+            let known = match found {
+                // Good enough to be rounded to f32; next to the ray's origin it may not be.
+                Some((t, err)) if err < t.abs() * CLOSE => self.exact.replace(prim, t, err),
                 _ => {
                     self.probe.test();
                     self.exact.settle(prim)
