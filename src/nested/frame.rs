@@ -143,10 +143,13 @@ impl Frame {
         (world - self.centre) * self.scale
     }
 
-    /// World coordinates in the part's unit, as packs have them: exact, but for what is below 2^-149.
+    /// World coordinates in the part's unit, as packs have them: exact, or infinite where that is below what f32 has, so that
+    /// every comparison with them fails.
     #[inline]
     pub fn sized(&self, world: Vec3) -> Vec3 {
-        (world.as_dvec3() * self.scale).as_vec3()
+        let exact = world.as_dvec3() * self.scale;
+        let sized = exact.as_vec3();
+        if sized.as_dvec3() == exact { sized } else { Vec3::INFINITY }
     }
 
     /// Part's to world coordinates.

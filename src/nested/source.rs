@@ -108,8 +108,12 @@ impl Source for Spheres<'_> {
         let mut spheres = [NO_SPHERE; 8];
         let spheres = &mut spheres[..prims.len()];
         (self.spheres)(prims, spheres);
-        let radius = |s: &Sphere| (f64::from(s.radius) * self.frame.scale) as f32;
-        SpherePack::new(prims.iter().zip(&*spheres).map(|(&prim, s)| (prim, self.frame.sized(s.centre), radius(s))))
+        SpherePack::new(prims.iter().zip(&*spheres).map(|(&prim, s)| {
+            // As the corner of a triangle, infinite where f32 has it not.
+            let radius = self.frame.sized(Vec3::splat(s.radius)).x;
+            let centre = if radius.is_finite() { self.frame.sized(s.centre) } else { Vec3::INFINITY };
+            (prim, centre, radius)
+        }))
     }
 }
 

@@ -25,6 +25,9 @@ use glam::{DVec3, Vec3};
 /// asked by `c^2 - r^2`, off by `6 K (e K + f) + 3 f^2 + 11 e K^2` and `2 e r^2`, and by `c . d`: so a ray that starts on a sphere certainly does not
 /// meet it ([`OUTSIDE`]).
 ///
+/// What underflows in squares and products is less than [`TINY`], which is added to each of them; its square root, and what it changes of
+/// the chord of a sphere with a radius above [`SPECK`], are less than that.
+///
 /// A lane that holds none has a radius of minus infinity and is outside, its square being taken with its sign.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpherePack {
@@ -39,6 +42,8 @@ const NEARER: f32 = 128.0 * E;
 const SMALL: f32 = 1536.0 * E;
 const CHORD: f32 = 512.0 * E;
 const OUTSIDE: f32 = 28.0 * E;
+const TINY: f32 = 1e-36;
+const SPECK: f32 = 1e-15;
 
 /// From roundings of f32 to those of f64.
 const DOUBLE: f64 = 1.0 / (1 << 29) as f64;
@@ -73,7 +78,8 @@ impl Pack for SpherePack {
         // Minus infinity stays what it is.
         let wide = (radius + two * ray.fuzz).plus_product(away + radius, S::splat(WIDER));
         let off = (S::splat(24.0) * ray.fuzz).plus_product(away, S::splat(NEARER));
-        let square = (wide * wide.abs()).plus_product(off, off);
+        let tiny = S::splat(TINY);
+        let square = (wide * wide.abs()).plus_product(off, off) + tiny;
         let within = square - g.dot(&g);
         let misses = within.less(zero);
         let left = !S::bits(misses) & 0xff;
@@ -81,14 +87,14 @@ impl Pack for SpherePack {
             return Seen::nothing();
         }
         let chord = (within.max(zero) * ray.inverse_square).sqrt();
-        let bound = (S::splat(96.0) * ray.fuzz).plus_product(away + wide, S::splat(CHORD));
+        let bound = (S::splat(96.0) * ray.fuzz + S::splat(SPECK)).plus_product(away + wide, S::splat(CHORD));
         let outside = c.dot(&c) - radius * radius;
         let unsure = (S::splat(8.0) * ray.fuzz).plus_product(away, S::splat(OUTSIDE)) * (away + ray.fuzz);
-        let unsure = unsure.plus_product(radius * radius, S::splat(4.0 * E));
-        let sideways = (S::splat(4.0) * ray.fuzz).plus_product(away, S::splat(12.0 * E));
+        let unsure = unsure.plus_product(radius * radius, S::splat(4.0 * E)) + tiny;
+        let sideways = (S::splat(4.0) * ray.fuzz + tiny).plus_product(away, S::splat(12.0 * E));
         let receding = unsure.less(outside) & (along + sideways).less(ray.ahead);
         let out_of_range = receding | end.less(m - chord - bound) | (m + chord + bound).less(ray.least);
-        let small = (S::splat(192.0) * ray.fuzz).plus_product(away, S::splat(SMALL));
+        let small = (S::splat(192.0) * ray.fuzz + S::splat(SPECK)).plus_product(away, S::splat(SMALL));
         Seen {
             survivors: left & !S::bits(out_of_range),
             certain: (square * S::splat(0.0625)).less(within) & small.less(wide),
@@ -109,21 +115,23 @@ impl Pack for SpherePack {
         let g = c - m * d;
         let wide = radius + (away + radius) * (DOUBLE * f64::from(WIDER));
         let off = away * (DOUBLE * f64::from(NEARER));
-        let square = wide * wide + off * off;
+        let tiny = f64::from(TINY);
+        let square = wide * wide + off * off + tiny;
         let within = square - g.dot(g);
         if within < 0.0 {
             return Verdict::Miss;
         }
         // A ray from the outside that has no part before its origin and leads away: see above.
-        let unsure = away * away * (DOUBLE * f64::from(OUTSIDE)) + radius * radius * (4.0 * DOUBLE * f64::from(E));
+        let unsure =
+            away * away * (DOUBLE * f64::from(OUTSIDE)) + radius * radius * (4.0 * DOUBLE * f64::from(E)) + tiny;
         let outside = c.dot(c) - radius * radius > unsure;
         let forwards = f64::from(sight.begin[1]) + sight.start > 0.0;
-        if outside && forwards && along < -away * (12.0 * DOUBLE * f64::from(E)) {
+        if outside && forwards && along < -away * (12.0 * DOUBLE * f64::from(E)) - tiny {
             return Verdict::Miss;
         }
         let chord = (within * inverse_square).sqrt();
-        let bound = (away + wide) * (DOUBLE * f64::from(CHORD)) + f64::from(f32::MIN_POSITIVE);
-        let certain = within > square * 0.0625 && wide > away * (DOUBLE * f64::from(SMALL));
+        let bound = (away + wide) * (DOUBLE * f64::from(CHORD)) + f64::from(SPECK);
+        let certain = within > square * 0.0625 && wide > away * (DOUBLE * f64::from(SMALL)) + f64::from(SPECK);
         let (first, second) = (m - chord - sight.start, m + chord - sight.start);
         match sight.judge(first, bound, end, certain) {
             Verdict::Miss if first < f64::from(end) && certain => sight.judge(second, bound, end, certain),
