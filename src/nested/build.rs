@@ -3,6 +3,7 @@
 //! Every step is done in chunks that threads share, of primitives first and of cells then; what comes of them is put together in
 //! the order of the grid, so that it does not depend on how many threads there are.
 
+use super::boxes::Boxes;
 use super::cut::{Cutter, Fill, Piece};
 use super::frame::Frame;
 use super::limit::Limit;
@@ -135,22 +136,27 @@ fn join<K, L>(part: &mut Part<K>, pieces: &mut [Piece<L>]) {
     if let [piece] = pieces {
         std::mem::swap(&mut part.nodes, &mut piece.nodes);
         std::mem::swap(&mut part.slots, &mut piece.slots);
+        std::mem::swap(&mut part.boxes, &mut piece.boxes);
         return;
     }
-    let Part { nodes, slots, top, .. } = part;
+    let Part { nodes, slots, boxes, top, .. } = part;
     nodes.clear();
     slots.clear();
+    boxes.clear();
     nodes.reserve_exact(pieces.iter().map(|piece| piece.nodes.len()).sum());
     slots.reserve_exact(pieces.iter().map(|piece| piece.slots.len()).sum());
+    boxes.reserve_exact(pieces.iter().map(|piece| piece.boxes.len()).sum());
     let mut packs = 0;
     for piece in pieces {
-        let (first_node, first_slot) = (nodes.len() as u32, slots.len() as u32);
+        let [first_node, first_slot, first_box] = [nodes.len(), slots.len(), boxes.len()].map(|len| len as u32);
         let moved = |slot: &Slot| match slot {
             slot if slot.is_node() => Slot::node(slot.first + first_node),
+            slot if slot.is_boxed() => Slot { first: slot.first + first_box, ..*slot },
             slot => Slot { first: slot.first + packs, ..*slot },
         };
         nodes.extend(piece.nodes.iter().map(|node| Node { base: node.base + first_slot, ..*node }));
         slots.extend(piece.slots.iter().map(moved));
+        boxes.extend(piece.boxes.iter().map(|boxes| Boxes { first: boxes.first + packs, ..*boxes }));
         for slot in top.slots[piece.cells.clone()].iter_mut().filter(|slot| slot.count > 0) {
             *slot = moved(slot);
         }

@@ -1,5 +1,6 @@
 //! Cells of the grid on top cut into nodes, and their primitives listed at the leaves.
 
+use super::boxes::{self, Bounds, Boxes};
 use super::frame::PADDING;
 use super::lanes::Lanes;
 use super::limit::Limit;
@@ -21,6 +22,8 @@ pub(super) struct Piece<L> {
     pub cells: Range<usize>,
     pub nodes: Vec<Node>,
     pub slots: Vec<Slot>,
+    /// Boxes around the packs of leaves that have more than [`FEW`]; they count packs from the piece's own begin as well.
+    pub boxes: Vec<Boxes>,
     /// The primitives of eight lanes for each pack; [`NO_PRIM`] where a lane holds none.
     pub lanes: Vec<u32>,
     /// The primitives of the cell that is being cut.
@@ -29,6 +32,9 @@ pub(super) struct Piece<L> {
     lists: Vec<u32>,
     /// For each primitive of the list that is being cut, the cells that it meets.
     masks: Vec<u64>,
+    /// What those of a leaf have in its cell, and their places in that list, sorted.
+    members: Vec<Bounds>,
+    order: Vec<u64>,
 }
 
 impl<L> Default for Piece<L> {
@@ -37,10 +43,13 @@ impl<L> Default for Piece<L> {
             cells: 0..0,
             nodes: Vec::new(),
             slots: Vec::new(),
+            boxes: Vec::new(),
             lanes: Vec::new(),
             locals: Vec::new(),
             lists: Vec::new(),
             masks: Vec::new(),
+            members: Vec::new(),
+            order: Vec::new(),
         }
     }
 }
@@ -51,6 +60,7 @@ impl<L> Piece<L> {
         self.cells = cells;
         self.nodes.clear();
         self.slots.clear();
+        self.boxes.clear();
         self.lanes.clear();
     }
 
@@ -71,8 +81,8 @@ pub(super) struct Cutter<'a, Src: Source> {
 impl<Src: Source> Cutter<'_, Src> {
     /// What becomes of the cell of the grid on top that begins at `low` and meets `prims`.
     pub fn top(&self, prims: &[u32], low: [f32; 3], size: [f32; 3], piece: &mut Piece<Src::Local>) -> Slot {
-        if !self.may_cut(prims.len(), &size) {
-            return self.leaf(piece, prims.len(), |_, i| prims[i]);
+        if prims.len() <= 8 * FEW {
+            return self.small_leaf(piece, prims.len(), |_, i| prims[i]);
         }
         self.source.gather(prims, &mut piece.locals);
         piece.lists.clear();
@@ -82,7 +92,7 @@ impl<Src: Source> Cutter<'_, Src> {
 
     /// A node costs as much as some packs: fewer are tested at once.
     fn may_cut(&self, primitives: usize, size: &[f32; 3]) -> bool {
-        primitives.div_ceil(8) as f32 > self.settings.node_cost && size.iter().all(|&edge| 0.25 * edge >= LEAST_CELL)
+        cost(primitives) > self.settings.node_cost && size.iter().all(|&edge| 0.25 * edge >= LEAST_CELL)
     }
 
     /// Cuts the cell that begins at `low` and meets the primitives of `piece.lists[range]`, if that is worth it.
@@ -95,21 +105,21 @@ impl<Src: Source> Cutter<'_, Src> {
         piece: &mut Piece<Src::Local>,
     ) -> Slot {
         let len = range.len();
-        let leaf = |piece: &mut Piece<Src::Local>| {
-            self.leaf(piece, len, |piece, i| prims[piece.lists[range.start + i] as usize])
-        };
+        if len <= 8 * FEW {
+            return self.small_leaf(piece, len, |piece, i| prims[piece.lists[range.start + i] as usize]);
+        }
         if !self.may_cut(len, &size) {
-            return leaf(piece);
+            return self.leaf(piece, prims, range, low, size);
         }
         let window = Window::new(low, size.map(|x| 0.25 * x));
         let Piece { locals, lists, masks, .. } = piece;
         let counts =
             self.isa.run(Masks { source: self.source, locals, list: &lists[range.clone()], window: &window, masks });
         // The chance that a ray through a box meets a convex part of it is the quotient of their surfaces: a sixteenth.
-        let below: u32 = counts.iter().map(|n| n.div_ceil(8)).sum();
-        let packs = len.div_ceil(8) as f32;
-        if self.settings.node_cost + below as f32 / 16.0 + self.settings.growth * (below as f32 - packs) >= packs {
-            return leaf(piece);
+        let below: f32 = counts.iter().map(|&n| cost(n as usize)).sum();
+        let growth = counts.iter().map(|n| n.div_ceil(8)).sum::<u32>() as f32 - len.div_ceil(8) as f32;
+        if self.settings.node_cost + below / 16.0 + self.settings.growth * growth >= cost(len) {
+            return self.leaf(piece, prims, range, low, size);
         }
         let begin = lists.len();
         let mut next = [0_usize; 64];
@@ -147,13 +157,17 @@ impl<Src: Source> Cutter<'_, Src> {
         Slot::node(index as u32)
     }
 
-    /// The lanes of a leaf of `len` primitives.
-    fn leaf(&self, piece: &mut Piece<Src::Local>, len: usize, prim: impl Fn(&Piece<Src::Local>, usize) -> u32) -> Slot {
+    /// A leaf of `len` primitives in at most [`FEW`] packs.
+    fn small_leaf(
+        &self,
+        piece: &mut Piece<Src::Local>,
+        len: usize,
+        prim: impl Fn(&Piece<Src::Local>, usize) -> u32,
+    ) -> Slot {
         let (first, count) = (piece.packs(), len.div_ceil(8));
         if !self.limit.take((count * (32 + size_of::<Src::Pack>())) as u64) {
             return Slot::EMPTY;
         }
-        piece.lanes.reserve(8 * count);
         for i in 0..len {
             let prim = prim(piece, i);
             piece.lanes.push(prim);
@@ -161,6 +175,55 @@ impl<Src: Source> Cutter<'_, Src> {
         piece.lanes.resize(8 * (first + count), NO_PRIM);
         Slot { first: first as u32, count: count as u32 }
     }
+
+    /// A leaf of the primitives of `piece.lists[range]` in the cell that begins at `low`, with boxes around its packs.
+    fn leaf(
+        &self,
+        piece: &mut Piece<Src::Local>,
+        prims: &[u32],
+        range: Range<usize>,
+        low: [f32; 3],
+        size: [f32; 3],
+    ) -> Slot {
+        let (first, count) = (piece.packs(), range.len().div_ceil(8));
+        let groups = count.div_ceil(8);
+        if !self.limit.take((count * (32 + size_of::<Src::Pack>()) + groups * size_of::<Boxes>()) as u64) {
+            return Slot::EMPTY;
+        }
+        let Piece { locals, lists, lanes, boxes, members, order, .. } = piece;
+        let list = &lists[range];
+        members.clear();
+        members.extend(list.iter().map(|&place| {
+            let [mut least, mut greatest] = self.source.bounds(&locals[place as usize]);
+            for a in 0..3 {
+                least[a] = least[a].max(low[a] - PADDING);
+                greatest[a] = greatest[a].min(low[a] + size[a] + PADDING);
+            }
+            [least, greatest]
+        }));
+        order.clear();
+        order.extend(0..list.len() as u64);
+        boxes::sort(order, members);
+        let places = || order.iter().map(|&place| place as u32 as usize);
+        let slot = Slot::boxed(boxes.len() as u32, groups as u32);
+        boxes.extend((0..groups).map(|group| Boxes::new((first + 8 * group) as u32)));
+        for (i, place) in places().enumerate() {
+            boxes[slot.first as usize + i / 64].add(i / 8, &members[place]);
+        }
+        lanes.extend(places().map(|place| prims[list[place] as usize]));
+        lanes.resize(8 * (first + count), NO_PRIM);
+        slot
+    }
+}
+
+/// Leaves of more packs than this have boxes around them.
+const FEW: usize = 1;
+
+/// What a leaf of so many primitives costs, in packs: a group of boxes as much as half a pack, and of the packs behind them two fifths are
+/// tested.
+fn cost(primitives: usize) -> f32 {
+    let packs = primitives.div_ceil(8);
+    if packs <= FEW { packs as f32 } else { 0.5 * packs.div_ceil(8) as f32 + 0.4 * packs as f32 }
 }
 
 /// Finds the cells of a window that each primitive of a list meets, and how many meet each cell.

@@ -73,6 +73,8 @@ pub(super) struct Entry {
     pub inverse: [f32; 3],
     /// 1 or -1: the signs of the direction's components.
     pub sign: [f32; 3],
+    /// The sizes of the direction's components, as in `inverse`.
+    pub size: [f32; 3],
     /// At or beyond the `s` at which the ray ends or leaves the box.
     pub end: f32,
     /// The ray as packs see it.
@@ -113,6 +115,7 @@ struct Heading {
     exact: DVec3,
     inverse: [f32; 3],
     sign: [f32; 3],
+    size: [f32; 3],
 }
 
 impl Frame {
@@ -167,10 +170,15 @@ impl Frame {
         let origin = self.local(ray.origin.as_dvec3());
         let size = origin.abs();
         let distance = greater(greater(size.x, size.y), size.z);
-        if distance > NEAR {
-            return self.enter_from_afar(ray, winner);
-        }
         let heading = self.heading(ray);
+        if distance > NEAR {
+            // What is not inlined takes nothing by reference that is in registers here, and gives little back.
+            return match self.from_afar(ray) {
+                Afar::Miss => Start::Miss,
+                Afar::TooFar => Start::TooFar,
+                Afar::Inside(origin, inside) => self.begin(ray, origin, &heading, &inside, winner),
+            };
+        }
         let place = [origin.x as f32, origin.y as f32, origin.z as f32];
         let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
         for axis in 0..3 {
@@ -198,41 +206,42 @@ impl Frame {
         let bits = greater(greater(size.x, size.y), size.z).to_bits() & !((1 << 52) - 1);
         let rate = f64::from_bits(bits + (1 << 52));
         let exact = direction * f64::from_bits((2045 << 52) - bits);
-        let mut heading = Heading { rate, exact, inverse: [0.0; 3], sign: [0.0; 3] };
+        let mut heading = Heading { rate, exact, inverse: [0.0; 3], sign: [0.0; 3], size: [0.0; 3] };
         for axis in 0..3 {
             let d = exact[axis] as f32;
             let size = if d.abs() < LEAST { LEAST } else { d.abs() };
             heading.sign[axis] = 1.0_f32.copysign(d);
             heading.inverse[axis] = 1.0 / size;
+            heading.size[axis] = size;
         }
         heading
     }
 
     #[cold]
     #[inline(never)]
-    fn enter_from_afar(&self, ray: &Ray, winner: Option<Known>) -> Start {
+    fn from_afar(&self, ray: &Ray) -> Afar {
         let origin = self.local(ray.origin.as_dvec3());
         if origin.abs().max_element() <= FAR {
-            return self.enter_moved(origin, ray, 0.0, winner);
+            return self.from_moved(origin, ray, 0.0);
         }
         let (origin, moved, axis) = nearer(ray, self.centre, self.centre);
         let origin = origin * self.scale;
         let size = origin.abs().max_element();
         if origin[axis].abs() > 4.0 && size > FAR {
-            return Start::TooFar;
+            return Afar::TooFar;
         }
         // Beside the box while it is level with it: along no other axis does it move faster.
         if size > 16.0 {
-            return if origin[axis].abs() <= 4.0 { Start::Miss } else { self.enter_moved(origin, ray, moved, winner) };
+            return if origin[axis].abs() <= 4.0 { Afar::Miss } else { self.from_moved(origin, ray, moved) };
         }
-        self.enter_moved(origin, ray, moved, winner)
+        self.from_moved(origin, ray, moved)
     }
 
     /// As [`Frame::enter`], in f64 and for a ray that has been moved by a parameter.
     ///
     /// With `u = 2^-53`, the origin in the part's coordinates is off by `2 u FAR`, and so are the parameters of entry and exit,
     /// up to a factor of 8: 2^-29 in all, against the margin of 2^-11.
-    fn enter_moved(&self, origin: DVec3, ray: &Ray, moved: f64, winner: Option<Known>) -> Start {
+    fn from_moved(&self, origin: DVec3, ray: &Ray, moved: f64) -> Afar {
         let heading = self.heading(ray);
         // More than the rounding of a difference with `moved`.
         let slack = 4.0 * f64::EPSILON * moved.abs() * heading.rate;
@@ -242,7 +251,7 @@ impl Frame {
             let (o, d, half) = (origin[axis], heading.exact[axis], f64::from(self.half[axis]));
             if d == 0.0 {
                 if o.abs() >= half {
-                    return Start::Miss;
+                    return Afar::Miss;
                 }
                 continue;
             }
@@ -251,10 +260,9 @@ impl Frame {
             end = lesser(greater(a, b), end);
         }
         if start > end {
-            return Start::Miss;
+            return Afar::Miss;
         }
-        let inside = Inside { start, end, moved, slack: 2.0 * slack, sees: false };
-        self.begin(ray, origin, &heading, &inside, winner)
+        Afar::Inside(origin, Inside { start, end, moved, slack: 2.0 * slack, sees: false })
     }
 
     /// The ray from where it enters the box, `origin` being where it starts or where it was moved to.
@@ -290,6 +298,7 @@ impl Frame {
             origin: [at.x as f32, at.y as f32, at.z as f32],
             inverse: heading.inverse,
             sign: heading.sign,
+            size: heading.size,
             end: (inside.end - inside.start) as f32 + SLACK,
             sight,
             shift,
@@ -310,6 +319,13 @@ impl Frame {
         }
         Start::Inside(entry)
     }
+}
+
+/// As [`Start`], of a ray from far away: from where it was moved to.
+enum Afar {
+    Miss,
+    TooFar,
+    Inside(DVec3, Inside),
 }
 
 /// Where a ray is in a box.

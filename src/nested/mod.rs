@@ -6,18 +6,20 @@
 //!  +- part: a dense object      its own frame, -1 to 1 along its longest axis                                 frame.rs
 //!  |    +- grid on top          coarse; a skip byte for each cell and octant of directions                    build.rs
 //!  |         +- empty           the byte is the edge of an empty cube: the ray leaps to its end
-//!  |         +- packs           eight primitives each, tested at once                          triangles.rs, spheres.rs
+//!  |         +- leaf            packs of eight primitives, tested at once                       triangles.rs, spheres.rs
+//!  |         |    +- boxes      around eight packs each: which of them does the ray meet?                     boxes.rs
 //!  |         +- node            64 cells, a mask of those that are filled                                     shape.rs
-//!  |              +- packs or a node, for each filled cell
+//!  |              +- a leaf or a node, for each filled cell
 //!  +- part: the rest            another grid
 //! ```
 //!
 //! **A ray** (`walk.rs`) is moved to where it enters the part, in f64, and continues in f32. On top it steps and leaps as in
 //! [`crate::grid`]. In a node the crossings of all planes are found at once, and from them the mask of the cells that the ray
 //! crosses; what that has in common with the filled cells is visited from the lowest bit on, which, with the node seen along
-//! the ray's octant, is front to back. A pack rejects what is certainly missed; a hit that is certain and before all others is
-//! kept with its bounds; what is left open, and the winner at the end, goes to the geometry's own test. So the answers are
-//! those of every other accelerator, to the bit.
+//! the ray's octant, is front to back. At a leaf, eight boxes at a time say which packs are met. A pack rejects what is certainly missed; a
+//! hit that is certain and before all others is kept with its bounds; what is left open is judged in f64 from the pack, as is the
+//! parameter of the winner at the end, and what that leaves open goes to the geometry's own test. So the answers are those of every
+//! other accelerator, to the bit. Counted as steps are cells, nodes and groups of eight boxes.
 //!
 //! **Why nothing is lost.** Cells tile the ray: each `s` from its begin to its end lies, by comparisons of the computed crossings
 //! alone, in the interval of some cell that is visited, or of an empty cube; crossings of one plane are computed
@@ -30,6 +32,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "an axis indexes several arrays at once")]
 
+mod boxes;
 mod build;
 mod cut;
 mod exact;

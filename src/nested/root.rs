@@ -1,5 +1,6 @@
 //! The parts of a shape: one kind of primitives each, and each group of them by itself.
 
+use super::boxes::Boxes;
 use super::build::{Plan, Shop};
 use super::frame::Frame;
 use super::options::{NestedOptions, Settings};
@@ -51,21 +52,21 @@ pub(super) fn build<G: Geometry>(
         }
         lists.each_ref().map(Vec::as_slice)
     };
-    let quality = options.quality;
+    let settings = Settings::of(options.quality);
     let corners = |prims: &[u32], places: &mut [Triangle]| {
         for (place, &prim) in places.iter_mut().zip(prims) {
             *place = geometry.triangle(prim).unwrap_or(*place);
         }
     };
-    root.add(of_triangles, Settings::triangles(quality), triangles, |frame| Triangles { frame, corners: &corners })?;
+    root.add(of_triangles, settings, triangles, |frame| Triangles { frame, corners: &corners })?;
     let fetch = |prims: &[u32], places: &mut [Sphere]| {
         for (place, &prim) in places.iter_mut().zip(prims) {
             *place = geometry.sphere(prim).unwrap_or(*place);
         }
     };
-    root.add(of_spheres, Settings::spheres(quality), spheres, |frame| Spheres { frame, spheres: &fetch })?;
+    root.add(of_spheres, settings, spheres, |frame| Spheres { frame, spheres: &fetch })?;
     let overlaps = |prim: u32, cell: &Cell| geometry.overlaps(prim, cell);
-    root.add(of_others, Settings::spheres(quality), others, |frame| Others { frame, boxes, overlaps: &overlaps })?;
+    root.add(of_others, settings, others, |frame| Others { frame, boxes, overlaps: &overlaps })?;
     Ok(found)
 }
 
@@ -73,10 +74,10 @@ pub(super) fn build<G: Geometry>(
 pub(super) fn list<G: Geometry>(geometry: &G, shape: &mut Shape, shop: &mut Workshop) -> (Aabb, LeftOut) {
     let (bounds, left_out) = shop.sieve.sift(geometry);
     let frame = Frame::new(&bounds);
-    let cell = Slot { first: 0, count: shop.sieve.prims.len().div_ceil(8) as u32 };
-    let packs = shop.sieve.prims.chunks(8).map(|prims| List::new(prims.iter().copied())).collect();
-    let top = Top::one(frame.half, cell);
-    shape.parts = vec![AnyPart::Lists(Part { top, packs, ..Part::new(frame) })];
+    let packs: Vec<List> = shop.sieve.prims.chunks(8).map(|prims| List::new(prims.iter().copied())).collect();
+    let boxes: Vec<Boxes> = (0..packs.len()).step_by(8).map(|first| Boxes::around_all(first, packs.len())).collect();
+    let top = Top::one(frame.half, Slot::boxed(0, boxes.len() as u32));
+    shape.parts = vec![AnyPart::Lists(Part { top, boxes, packs, ..Part::new(frame) })];
     (bounds, left_out)
 }
 

@@ -1,5 +1,6 @@
 //! What is built: parts, their grids, nodes and packs. No geometry: the walk is compiled once for all of them.
 
+use super::boxes::Boxes;
 use super::frame::Frame;
 use super::pack::{List, Pack};
 use super::spheres::SpherePack;
@@ -8,14 +9,15 @@ use super::triangles::TrianglePack;
 /// What a cell holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slot {
-    /// The first pack, or the node.
+    /// The first pack, or the first group of boxes, or the node.
     pub first: u32,
-    /// Number of packs; [`Slot::NODE`] says that it is a node.
+    /// 1 for a pack, or the number of groups of boxes with [`Slot::BOXED`] added; [`Slot::NODE`] says that it is a node.
     pub count: u32,
 }
 
 impl Slot {
     const NODE: u32 = u32::MAX;
+    const BOXED: u32 = 1 << 31;
 
     /// Nothing.
     pub const EMPTY: Slot = Slot { first: 0, count: 0 };
@@ -23,6 +25,23 @@ impl Slot {
     /// The node of an index.
     pub fn node(index: u32) -> Self {
         Self { first: index, count: Self::NODE }
+    }
+
+    /// Groups of boxes around packs.
+    pub fn boxed(first: u32, groups: u32) -> Self {
+        Self { first, count: Self::BOXED | groups }
+    }
+
+    /// True if it holds groups of boxes, or a node.
+    #[inline(always)]
+    pub fn is_boxed(self) -> bool {
+        self.count & Self::BOXED != 0
+    }
+
+    /// How many groups of boxes there are, or packs: one at most.
+    #[inline(always)]
+    pub fn groups(self) -> u32 {
+        self.count & !Self::BOXED
     }
 
     /// True if it holds a node.
@@ -96,6 +115,7 @@ pub(super) struct Part<K> {
     pub nodes: Vec<Node>,
     /// Cells of nodes that hold something.
     pub slots: Vec<Slot>,
+    pub boxes: Vec<Boxes>,
     pub packs: Vec<K>,
 }
 
@@ -143,7 +163,7 @@ pub(super) struct Shape {
 impl<K: Pack> Part<K> {
     /// Nothing yet, in this frame.
     pub fn new(frame: Frame) -> Self {
-        Self { frame, top: Top::default(), nodes: Vec::new(), slots: Vec::new(), packs: Vec::new() }
+        Self { frame, top: Top::default(), nodes: Vec::new(), slots: Vec::new(), boxes: Vec::new(), packs: Vec::new() }
     }
 
     fn describe(&self, what: &str) -> String {
@@ -162,7 +182,7 @@ impl<K: Pack> Part<K> {
         let of = |len: usize, size: usize| len as u64 * size as u64;
         let slots = of(self.top.slots.len() + self.slots.len(), size_of::<Slot>());
         [
-            slots + of(self.nodes.len(), size_of::<Node>()),
+            slots + of(self.nodes.len(), size_of::<Node>()) + of(self.boxes.len(), size_of::<Boxes>()),
             of(self.packs.len(), size_of::<K>()),
             self.top.free.len() as u64,
         ]

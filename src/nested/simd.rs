@@ -81,6 +81,7 @@ pub(super) mod avx2 {
     use crate::nested::lanes::{Lanes, Row};
     #[cfg(test)]
     use crate::nested::{
+        boxes::{BoxRay, Boxes},
         frame::Sight,
         pack::{Pack, PackRay},
     };
@@ -138,6 +139,18 @@ pub(super) mod avx2 {
         }
         // SAFETY: there is a `Present`, so the processor has these instructions.
         unsafe { here(pack, sight) }
+    }
+
+    /// [`Boxes::look`] for a ray given by origin, inverse direction and signs, for the tests.
+    #[cfg(test)]
+    pub fn boxes(_: Present, boxes: &Boxes, ray: &[[f32; 3]; 3], end: f32) -> (Row, u32) {
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+        fn here(boxes: &Boxes, [origin, inverse, sign]: &[[f32; 3]; 3], end: f32) -> (Row, u32) {
+            let (enters, met) = boxes.look(&BoxRay::<Avx2>::new(origin, inverse, sign), end);
+            (enters.row(), met)
+        }
+        // SAFETY: there is a `Present`, so the processor has these instructions.
+        unsafe { here(boxes, ray, end) }
     }
 
     /// [`Lanes::crossed`], for the tests.

@@ -1,5 +1,6 @@
 //! Primitives as the builder sees them: which cells they meet, in a part's coordinates, and how they are packed.
 
+use super::boxes::Bounds;
 use super::frame::{Frame, PADDING};
 use super::lanes::Lanes;
 use super::pack::{List, Pack};
@@ -19,6 +20,9 @@ pub(super) trait Source: Sync {
 
     /// Puts the primitives `prims` in the place of what is in `locals`.
     fn gather(&self, prims: &[u32], locals: &mut Vec<Self::Local>);
+
+    /// A box around a primitive.
+    fn bounds(&self, local: &Self::Local) -> Bounds;
 
     /// The cells of a window that a primitive meets, padded.
     fn cells<S: Lanes>(&self, local: &Self::Local, window: &Window) -> u64;
@@ -57,6 +61,16 @@ impl Source for Triangles<'_> {
                 locals.push(local);
             }
         }
+    }
+
+    #[inline]
+    fn bounds(&self, [a, b, c]: &Self::Local) -> Bounds {
+        let mut bounds = [*a, *a];
+        for axis in 0..3 {
+            bounds[0][axis] = a[axis].min(b[axis]).min(c[axis]);
+            bounds[1][axis] = a[axis].max(b[axis]).max(c[axis]);
+        }
+        bounds
     }
 
     #[inline(always)]
@@ -99,6 +113,10 @@ impl Source for Spheres<'_> {
         }
     }
 
+    fn bounds(&self, (centre, radius): &Self::Local) -> Bounds {
+        [centre.map(|x| x - radius), centre.map(|x| x + radius)]
+    }
+
     #[inline(always)]
     fn cells<S: Lanes>(&self, local: &Self::Local, window: &Window) -> u64 {
         window.sphere::<S>(&local.0, local.1)
@@ -139,6 +157,10 @@ impl Source for Others<'_> {
             let Aabb { min, max } = self.boxes[prim as usize];
             (prim, [min, max].map(|p| self.frame.local(p.as_dvec3()).as_vec3().to_array()))
         }));
+    }
+
+    fn bounds(&self, (_, bounds): &Self::Local) -> Bounds {
+        *bounds
     }
 
     fn cells<S: Lanes>(&self, &(prim, [min, max]): &Self::Local, window: &Window) -> u64 {

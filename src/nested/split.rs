@@ -40,7 +40,10 @@ fn split_further<'a>(boxes: &[Aabb], members: Cow<'a, [u32]>, depth: u32, groups
         return;
     }
     let (members, bounds) = without_large(boxes, members, bounds, groups);
-    let objects = dense_objects(boxes, &members, &bounds);
+    let mut objects = dense_objects(boxes, &members, &bounds, &Probe::WHOLE);
+    if objects.is_empty() {
+        objects = dense_objects(boxes, &members, &bounds, &Probe::UNBRIDGED);
+    }
     if objects.is_empty() {
         groups.push(Group { members, bounds, loose: false });
         return;
@@ -96,7 +99,7 @@ fn without_large<'a>(
     let share = area(&left) / area(&whole);
     let wanted = if members.len() > 4096 { 0.9 } else { 0.6 };
     // Two packs only if there is something small in what remains.
-    let pays = share < wanted && (large.len() <= 8 || !dense_objects(boxes, &rest, &left).is_empty());
+    let pays = share < wanted && (large.len() <= 8 || !dense_objects(boxes, &rest, &left, &Probe::WHOLE).is_empty());
     if !pays {
         return (members, whole);
     }
@@ -105,8 +108,25 @@ fn without_large<'a>(
     (Cow::Owned(rest), left)
 }
 
-/// Cells of the probe along each axis.
-const PROBE: usize = 16;
+/// How objects are looked for.
+struct Probe {
+    /// Cells along each axis.
+    cells: usize,
+    /// True if primitives longer than a cell belong to no object and connect none.
+    unbridged: bool,
+    /// An object's surface is less than this, in parts of that of all.
+    object: f64,
+    /// And that of all objects together.
+    together: f64,
+}
+
+impl Probe {
+    /// Objects with space around them.
+    const WHOLE: Probe = Probe { cells: 16, unbridged: false, object: 0.2, together: 0.4 };
+
+    /// Objects on a floor of many pieces, which reach from one to the next: only such as are tiny beside the whole.
+    const UNBRIDGED: Probe = Probe { cells: 32, unbridged: true, object: 1.0 / 256.0, together: 1.0 / 64.0 };
+}
 
 /// So many primitives are enough to see what is connected.
 const ENOUGH: usize = 1 << 15;
@@ -115,23 +135,29 @@ const ENOUGH: usize = 1 << 15;
 ///
 /// Of many primitives only some are looked at, at equal distances in the list. Then a primitive may begin where none was seen: it
 /// stays with the rest.
-fn dense_objects(boxes: &[Aabb], members: &[u32], whole: &Aabb) -> Vec<Vec<u32>> {
+fn dense_objects(boxes: &[Aabb], members: &[u32], whole: &Aabb, probe: &Probe) -> Vec<Vec<u32>> {
     let size = extent(whole).max(DVec3::splat(extent(whole).max_element() / 1024.0));
     if size.max_element() == 0.0 {
         return Vec::new();
     }
-    let (begin, per_unit) = (whole.min.as_dvec3(), DVec3::splat(PROBE as f64) / size);
+    let n = probe.cells;
+    let (begin, per_unit) = (whole.min.as_dvec3(), DVec3::splat(n as f64) / size);
+    let longest = (size / n as f64).as_vec3();
+    let counts = |aabb: &Aabb| !probe.unbridged || (aabb.max - aabb.min).cmple(longest).all();
     let place = |p: Vec3| {
         let p = (p.as_dvec3() - begin) * per_unit;
-        [p.x, p.y, p.z].map(|x| (x as u32 as usize).min(PROBE - 1))
+        [p.x, p.y, p.z].map(|x| (x as u32 as usize).min(n - 1))
     };
-    let index = |x: usize, y: usize, z: usize| (z * PROBE + y) * PROBE + x;
-    let mut object = vec![EMPTY; PROBE * PROBE * PROBE];
+    let index = |x: usize, y: usize, z: usize| (z * n + y) * n + x;
+    let mut object = vec![EMPTY; n * n * n];
     // How many primitives begin in each cell, and the box around them.
-    let mut begun = vec![(0_usize, Aabb::EMPTY); PROBE * PROBE * PROBE];
+    let mut begun = vec![(0_usize, Aabb::EMPTY); n * n * n];
     let stride = (members.len() / ENOUGH).max(1);
     for &i in members.iter().step_by(stride) {
         let aabb = &boxes[i as usize];
+        if !counts(aabb) {
+            continue;
+        }
         let (low, high) = (place(aabb.min), place(aabb.max));
         let (number, all) = &mut begun[index(low[0], low[1], low[2])];
         (*number, *all) = (*number + 1, all.union(aabb));
@@ -142,23 +168,23 @@ fn dense_objects(boxes: &[Aabb], members: &[u32], whole: &Aabb) -> Vec<Vec<u32>>
         }
     }
     let seen = members.len().div_ceil(stride);
-    let count = number(&mut object);
+    let count = number(&mut object, n);
     let mut found = vec![(0_usize, Aabb::EMPTY); count];
     for (&object, (number, all)) in object.iter().zip(&begun).filter(|(_, begun)| begun.0 > 0) {
         let found = &mut found[object as usize];
         *found = (found.0 + number, found.1.union(all));
     }
     let mut dense: Vec<usize> =
-        (0..count).filter(|&c| found[c].0 * 25 >= seen && area(&found[c].1) < 0.2 * area(whole)).collect();
+        (0..count).filter(|&c| found[c].0 * 25 >= seen && area(&found[c].1) < probe.object * area(whole)).collect();
     dense.sort_by_key(|&c| std::cmp::Reverse(found[c].0));
     dense.truncate(MOST);
     let primitives: usize = dense.iter().map(|&c| found[c].0).sum();
     let surface: f64 = dense.iter().map(|&c| area(&found[c].1)).sum();
-    if primitives * 4 < seen || surface > 0.4 * area(whole) {
+    if primitives * 4 < seen || surface > probe.together * area(whole) {
         return Vec::new();
     }
     let mut objects = vec![Vec::new(); dense.len()];
-    for &i in members {
+    for &i in members.iter().filter(|&&i| counts(&boxes[i as usize])) {
         let [x, y, z] = place(boxes[i as usize].min);
         let of = object[index(x, y, z)] as usize;
         if let Some(place) = dense.iter().position(|&c| c == of) {
@@ -172,7 +198,7 @@ const EMPTY: u32 = u32::MAX;
 const FULL: u32 = u32::MAX - 1;
 
 /// Numbers the full cells from 0, alike where they touch one another; how many numbers there are.
-fn number(cells: &mut [u32]) -> usize {
+fn number(cells: &mut [u32], n: usize) -> usize {
     let mut count = 0;
     let mut open = Vec::new();
     for first in 0..cells.len() {
@@ -182,12 +208,12 @@ fn number(cells: &mut [u32]) -> usize {
         cells[first] = count;
         open.push(first);
         while let Some(cell) = open.pop() {
-            let at = [cell % PROBE, cell / PROBE % PROBE, cell / (PROBE * PROBE)];
-            let [x, y, z] = at.map(|i| i.saturating_sub(1)..(i + 2).min(PROBE));
+            let at = [cell % n, cell / n % n, cell / (n * n)];
+            let [x, y, z] = at.map(|i| i.saturating_sub(1)..(i + 2).min(n));
             for z in z {
                 for y in y.clone() {
                     for x in x.clone() {
-                        let next = (z * PROBE + y) * PROBE + x;
+                        let next = (z * n + y) * n + x;
                         if cells[next] == FULL {
                             cells[next] = count;
                             open.push(next);

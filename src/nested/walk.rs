@@ -1,5 +1,6 @@
 //! One ray through all parts: the grid on top, nodes below, packs at the leaves.
 
+use super::boxes::BoxRay;
 use super::exact::{Exact, Known};
 use super::frame::{Entry, Start};
 use super::lanes::{Lanes, Portable, Row};
@@ -78,11 +79,12 @@ pub(super) fn trace<S: Lanes, P: Probe>(
 /// A ray in a part.
 struct Trace<'a, S, K, P> {
     part: &'a Part<K>,
-    entry: Entry,
+    entry: &'a Entry,
     any: bool,
     exact: &'a mut dyn Exact,
     probe: &'a mut P,
     ray: PackRay<S>,
+    boxes: BoxRay<S>,
     /// The part seen along the ray: signs are changed so that the ray moves forwards along every axis.
     origin: [f32; 3],
     /// Bit `a` is set if the ray moves backwards along axis `a`.
@@ -100,6 +102,15 @@ struct Trace<'a, S, K, P> {
     /// A corner that the ray passes through, without any rounding, and a primitive that it meets there, which was the winner. Other
     /// primitives with that corner are met there or are parallel to the ray: with greater indices, they never win.
     corner: Option<([f32; 3], u32)>,
+}
+
+/// A node with cells that are still to come.
+#[derive(Clone, Copy, Default)]
+struct Waiting {
+    cells: u64,
+    index: u64,
+    near: f32,
+    far: f32,
 }
 
 /// Whether a ray goes on.
@@ -121,6 +132,8 @@ struct Place {
     /// Numbers of these planes.
     plane: [f32; 3],
     pace: [f32; 3],
+    /// Planes for each unit of `s`.
+    planes: [f32; 3],
     base: [f32; 3],
     /// From cell to cell along each axis.
     stride: [isize; 3],
@@ -129,31 +142,37 @@ struct Place {
 }
 
 impl Place {
+    /// That of a grid of one cell.
+    const ONE: Place = Place {
+        cell: 0,
+        crossing: [f32::INFINITY; 3],
+        plane: [0.0; 3],
+        pace: [0.0; 3],
+        planes: [0.0; 3],
+        base: [0.0; 3],
+        stride: [0; 3],
+        left: [0; 3],
+    };
+
     #[inline(always)]
-    fn new(top: &Top, origin: &[f32; 3], inverse: &[f32; 3], octant: usize) -> Self {
-        let mut place = Place {
-            cell: 0,
-            crossing: [0.0; 3],
-            plane: [0.0; 3],
-            pace: [0.0; 3],
-            base: [0.0; 3],
-            stride: [0; 3],
-            left: [0; 3],
-        };
+    fn new(top: &Top, origin: &[f32; 3], entry: &Entry, octant: usize) -> Self {
+        let (inverse, size) = (&entry.inverse, &entry.size);
+        let mut place = Self::ONE;
         let mut step = 1;
         for a in 0..3 {
             let from = top.half[a] + origin[a];
             place.base[a] = from * inverse[a];
             place.pace[a] = top.cell[a] * inverse[a];
+            place.planes[a] = top.per_unit[a] * size[a];
             let last = top.cells[a] as i32 - 1;
-            // Saturates; the origin is in the grid but for rounding.
-            let at = ((from * top.per_unit[a]) as i32).clamp(0, last);
-            place.left[a] = last - at;
-            place.plane[a] = (at + 1) as f32;
+            // The origin is in the grid but for rounding.
+            let (at, number) = whole(least(most(from * top.per_unit[a] - 0.5, 0.0), last as f32));
+            place.left[a] = last - number;
+            place.plane[a] = at + 1.0;
             place.crossing[a] = place.plane[a] * place.pace[a] - place.base[a];
             let backward = octant >> a & 1 != 0;
             place.stride[a] = if backward { -step } else { step };
-            place.cell += (if backward { last - at } else { at }) as isize * step;
+            place.cell += (if backward { last - number } else { number }) as isize * step;
             step *= top.cells[a] as isize;
         }
         place
@@ -182,14 +201,16 @@ impl Place {
         *s = exit;
         let mut outside = 0;
         for a in 0..3 {
-            // Planes crossed on the way; all of the cube's along the axis of the exit, and at most one less along another.
-            let beyond = (exit - self.crossing[a]) / self.pace[a];
-            let within = if beyond < 0.0 { 0.0 } else { least((beyond as i32 + 1) as f32, edge - 1.0) };
-            let crossed = if exits[a] == exit { edge } else { within };
+            // Planes crossed on the way; all of the cube's along the axis of the exit, and at most one less along another. The
+            // product may round to a plane that is crossed just behind the exit, or not to one just before it: by rounding of the
+            // crossing, which the padding allows for.
+            let beyond = (exit - self.crossing[a]) * self.planes[a];
+            let within = if beyond < 0.0 { 0.0 } else { least(beyond + 0.5, edge - 1.0) };
+            let (crossed, number) = whole(if exits[a] == exit { edge } else { within });
             self.plane[a] += crossed;
-            self.left[a] -= crossed as i32;
+            self.left[a] -= number;
             outside |= self.left[a];
-            self.cell += crossed as isize * self.stride[a];
+            self.cell += number as isize * self.stride[a];
             self.crossing[a] = self.plane[a] * self.pace[a] - self.base[a];
         }
         outside >= 0 && exit <= end
@@ -198,7 +219,7 @@ impl Place {
 
 impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
-    fn new(part: &'a Part<K>, entry: &Entry, any: bool, exact: &'a mut dyn Exact, probe: &'a mut P) -> Self {
+    fn new(part: &'a Part<K>, entry: &'a Entry, any: bool, exact: &'a mut dyn Exact, probe: &'a mut P) -> Self {
         let sign = entry.sign;
         let mut origin = [0.0; 3];
         for a in 0..3 {
@@ -206,11 +227,12 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
         Self {
             part,
-            entry: *entry,
+            entry,
             any,
             exact,
             probe,
             ray: PackRay::new(&entry.sight),
+            boxes: BoxRay::new(&entry.origin, &entry.inverse, &entry.sign),
             origin,
             octant: usize::from(sign[0] < 0.0) | usize::from(sign[1] < 0.0) << 1 | usize::from(sign[2] < 0.0) << 2,
             end: entry.end,
@@ -234,21 +256,18 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     #[inline(always)]
     fn cells(&mut self) {
         let top = &self.part.top;
-        if let [slot] = top.slots[..] {
-            self.look(slot, 0.0, self.end);
-            return;
-        }
         let count = top.slots.len();
         let free = &top.free[self.octant * count..][..count];
-        let mut at = Place::new(top, &self.origin, &self.entry.inverse, self.octant);
+        let mut at = if count == 1 { Place::ONE } else { Place::new(top, &self.origin, self.entry, self.octant) };
         let mut s = 0.0;
+        let mut stack = [Waiting::default(); DEPTH];
         loop {
             self.probe.step();
             let [x, y, z] = at.crossing;
             let distance = free[at.cell as usize];
             if distance == 0 {
                 let out = least(x, least(y, z));
-                if self.look(top.slots[at.cell as usize], s, out) != Next::Cell {
+                if self.visit(top.slots[at.cell as usize], s, out, &mut stack) != Next::Cell {
                     return;
                 }
             } else if distance > 2 {
@@ -272,21 +291,30 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
     }
 
-    /// What a cell of the grid holds, which the ray crosses from `near` to `far`.
-    #[inline(always)]
-    fn look(&mut self, slot: Slot, near: f32, far: f32) -> Next {
-        if slot.is_node() { self.descend(slot, near, far) } else { self.test(slot, far) }
-    }
-
     /// The packs of a cell that the ray leaves at `far`.
     #[inline(always)]
     fn test(&mut self, slot: Slot, far: f32) -> Next {
         let part: &'a Part<K> = self.part;
-        for pack in &part.packs[slot.first as usize..][..slot.count as usize] {
-            self.probe.leaf();
-            let seen = pack.look::<S>(&self.ray, S::splat(self.limit));
-            if seen.survivors != 0 && self.meet(pack, seen) {
-                return Next::Nothing;
+        for group in 0..slot.groups() {
+            let (first, enters, mut met) = if slot.is_boxed() {
+                self.probe.step();
+                let boxes = &part.boxes[(slot.first + group) as usize];
+                let (enters, met) = boxes.look(&self.boxes, self.end);
+                (boxes.first, enters, met)
+            } else {
+                (slot.first, S::splat(0.0), 1)
+            };
+            while met != 0 {
+                let pack = &part.packs[(first + met.trailing_zeros()) as usize];
+                met &= met - 1;
+                self.probe.leaf();
+                let seen = pack.look::<S>(&self.ray, S::splat(self.limit));
+                if seen.survivors != 0 {
+                    if self.meet(pack, seen) {
+                        return Next::Nothing;
+                    }
+                    met &= !S::bits(S::splat(self.end).less(enters));
+                }
             }
         }
         if self.end < far { Next::Part } else { Next::Cell }
@@ -401,65 +429,57 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
     }
 
-    /// The nodes below a cell, front to back.
+    /// What a cell of the grid holds, which the ray crosses from `near` to `far`: packs, or nodes, front to back.
     #[inline(always)]
-    fn descend(&mut self, slot: Slot, mut near: f32, mut far: f32) -> Next {
-        /// A node with cells that are still to come.
-        #[derive(Clone, Copy, Default)]
-        struct Waiting {
-            cells: u64,
-            index: u32,
-            near: f32,
-            far: f32,
-        }
-        let mut stack = [Waiting::default(); DEPTH];
+    fn visit(&mut self, mut slot: Slot, mut near: f32, mut far: f32, stack: &mut [Waiting; DEPTH]) -> Next {
         let mut waiting = 0;
-        let mut index = slot.first;
-        let mut part_of_node = u64::MAX;
+        // The innermost node that the ray is in.
+        let mut inner = Waiting::default();
+        let mut axes = [Row([0.0; 8]); 3];
+        // Turns the coordinates round of the axes along which the ray moves backwards.
+        let flip = FLIPS[self.octant & 7];
         loop {
-            self.probe.step();
-            let node = &self.part.nodes[index as usize];
-            let axes = self.crossings(node, near, far);
-            let mut cells = S::crossed(&axes) & S::mirrored(node.mask, self.octant) & part_of_node;
-            // Turns the coordinates round of the axes along which the ray moves backwards.
-            let flip = FLIPS[self.octant & 7];
-            let deeper = loop {
-                if cells == 0 {
-                    break None;
+            let mut enter = None;
+            if slot.is_node() {
+                if inner.cells != 0 {
+                    stack[waiting % DEPTH] = inner;
+                    waiting += 1;
                 }
-                let cell = cells.trailing_zeros() as usize;
-                cells &= cells - 1;
-                let (x, y, z) = (cell & 3, cell >> 2 & 3, cell >> 4 & 3);
-                let from = most(axes[0].0[x], most(axes[1].0[y], axes[2].0[z]));
-                if from > self.end {
-                    return Next::Part;
-                }
-                let to = least(axes[0].0[x + 4], least(axes[1].0[y + 4], axes[2].0[z + 4]));
-                let below = node.mask & ((1 << (cell ^ flip)) - 1);
-                let slot = self.part.slots[node.base as usize + below.count_ones() as usize];
-                if slot.is_node() {
-                    break Some((slot.first, from, to));
-                }
-                match self.test(slot, to) {
+                enter = Some(Waiting { cells: u64::MAX, index: slot.first.into(), near, far });
+            } else {
+                match self.test(slot, far) {
                     Next::Cell => {}
                     next => return next,
                 }
-            };
-            match deeper {
-                Some((child, from, to)) => {
-                    if cells != 0 {
-                        stack[waiting % DEPTH] = Waiting { cells, index, near, far };
-                        waiting += 1;
-                    }
-                    (index, near, far, part_of_node) = (child, from, to, u64::MAX);
-                }
-                None if waiting == 0 => return Next::Cell,
-                None => {
-                    waiting -= 1;
-                    let Waiting { cells, index: node, near: from, far: to } = stack[waiting % DEPTH];
-                    (index, near, far, part_of_node) = (node, from, to, cells);
-                }
             }
+            loop {
+                if let Some(node) = enter {
+                    self.probe.step();
+                    inner = node;
+                    let node = &self.part.nodes[inner.index as usize];
+                    axes = self.crossings(node, inner.near, inner.far);
+                    inner.cells &= S::crossed(&axes) & S::mirrored(node.mask, self.octant);
+                }
+                if inner.cells != 0 {
+                    break;
+                }
+                if waiting == 0 {
+                    return Next::Cell;
+                }
+                waiting -= 1;
+                enter = Some(stack[waiting % DEPTH]);
+            }
+            let node = &self.part.nodes[inner.index as usize];
+            let cell = inner.cells.trailing_zeros() as usize;
+            inner.cells &= inner.cells - 1;
+            let (x, y, z) = (cell & 3, cell >> 2 & 3, cell >> 4 & 3);
+            near = most(axes[0].0[x], most(axes[1].0[y], axes[2].0[z]));
+            if near > self.end {
+                return Next::Part;
+            }
+            far = least(axes[0].0[x + 4], least(axes[1].0[y + 4], axes[2].0[z + 4]));
+            let below = node.mask & ((1 << (cell ^ flip)) - 1);
+            slot = self.part.slots[node.base as usize + below.count_ones() as usize];
         }
     }
 
@@ -489,6 +509,15 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
 
 /// For each octant the bits of a cell's number that differ when the node is seen along it.
 const FLIPS: [usize; 8] = [0, 3, 12, 15, 48, 51, 60, 63];
+
+/// The whole number nearest to one from 0 to 2^22, as both: without a conversion, which would have to ask for its range.
+#[inline(always)]
+fn whole(x: f32) -> (f32, i32) {
+    // Here the last place is 1.
+    const SHIFT: f32 = 8_388_608.0;
+    let shifted = x + SHIFT;
+    (shifted - SHIFT, (shifted.to_bits() & 0x007f_ffff) as i32)
+}
 
 /// The lesser one, neither a NaN: one instruction.
 #[inline(always)]
