@@ -31,6 +31,7 @@
 #![allow(clippy::needless_range_loop, reason = "an axis indexes several arrays at once")]
 
 mod build;
+mod crowd;
 mod cut;
 mod exact;
 mod frame;
@@ -48,7 +49,6 @@ mod spheres;
 mod split;
 mod triangles;
 mod walk;
-mod wide;
 
 pub use options::{NestedOptions, Quality};
 

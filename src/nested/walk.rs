@@ -1,5 +1,6 @@
 //! One ray through all parts: the grid on top, nodes below, packs at the leaves.
 
+use super::crowd::{self, Beaten, Crowd, Met};
 use super::exact::{Exact, Known};
 use super::frame::{Entry, Start};
 use super::lanes::{Lanes, Portable, Row};
@@ -97,9 +98,8 @@ struct Trace<'a, S, K, P> {
     pending: Option<(&'a K, usize)>,
     /// True if there is a winner that has been, or one that need not be.
     found: bool,
-    /// A corner that the ray passes through, without any rounding, and a primitive that it meets there, which was the winner. Other
-    /// primitives with that corner are met there or are parallel to the ray: with greater indices, they never win.
-    corner: Option<([f32; 3], u32)>,
+    /// What is known where many primitives are near the ray.
+    crowd: crowd::Known,
 }
 
 /// Whether a ray goes on.
@@ -218,7 +218,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             sure: entry.sight.end[0],
             pending: None,
             found: false,
-            corner: None,
+            crowd: crowd::Known::default(),
         }
     }
 
@@ -304,8 +304,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
         let (Row(from), Row(to)) = (from.row(), to.row());
         let mut survivors = seen.survivors;
-        if (survivors & !certain).count_ones() > 2 {
-            survivors &= !self.crowd(pack);
+        if !crowd::few(survivors & !certain) {
+            survivors &= !self.crowd(pack, survivors & !certain);
         }
         while survivors != 0 {
             let lane = survivors.trailing_zeros() as usize & 7;
@@ -340,7 +340,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             }
             self.settle();
             if self.exactly(prim) {
-                self.corner = pack.corner(lane, &self.entry.sight).map(|corner| (corner, prim));
+                self.crowd.met = pack.corner(lane, &self.entry.sight).map(|corner| Met { corner, prim });
+                survivors &= !S::apart(Beaten { pack, met: &self.crowd.met });
             }
             if self.any && self.found {
                 return true;
@@ -351,13 +352,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
 
     /// The lanes that need not be looked at one by one, where many primitives are near the ray.
     #[inline(always)]
-    fn crowd(&self, pack: &K) -> u32 {
-        let mut beaten = 0;
-        if let Some((corner, winner)) = &self.corner {
-            let later = pack.prims().iter().zip(0..).map(|(prim, lane)| u32::from(prim > winner) << lane);
-            beaten = pack.lanes_at::<S>(corner) & later.fold(0, |all, lane| all | lane);
-        }
-        if beaten == 0xff { beaten } else { beaten | pack.missed(&self.entry.sight, self.limit) }
+    fn crowd(&mut self, pack: &K, open: u32) -> u32 {
+        S::apart(Crowd { pack, sight: &self.entry.sight, end: self.limit, open, known: &mut self.crowd })
     }
 
     /// Finds the parameter of the winner that waits, if one does.
