@@ -56,6 +56,8 @@ impl Wall {
 pub(super) struct Known {
     pub met: Option<Met>,
     pub wall: Option<Wall>,
+    /// True if nothing was left of the last pack that was asked.
+    pub thick: bool,
 }
 
 /// Finds the lanes of a pack that need not be looked at one by one.
@@ -78,6 +80,7 @@ impl<K: Pack> Work for Crowd<'_, K> {
         if let Some(wall) = &known.wall {
             done |= pack.beside::<S>(wall);
         }
+        known.thick = done == 0xff;
         if few(open & !done) {
             return done;
         }
@@ -85,11 +88,34 @@ impl<K: Pack> Work for Crowd<'_, K> {
         if let Some(wall) = pack.common::<S>(lane).and_then(|corner| Wall::new(corner, sight)) {
             done |= pack.beside::<S>(&wall);
             known.wall = Some(wall);
+            known.thick = done == 0xff;
             if few(open & !done) {
                 return done;
             }
         }
         done | pack.missed(sight, end)
+    }
+}
+
+/// Asks of a pack after a crowded one whether nothing of it is left, which takes less time than to look at it; if not, the ray is no longer
+/// in the crowd.
+pub(super) struct Aside<'a, K> {
+    pub pack: &'a K,
+    pub known: &'a mut Known,
+}
+
+impl<K: Pack> Work for Aside<'_, K> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Lanes>(self) -> bool {
+        let Self { pack, known } = self;
+        let mut done = known.wall.map_or(0, |wall| pack.beside::<S>(&wall));
+        if done != 0xff {
+            done |= Beaten { pack, met: &known.met }.run::<S>();
+        }
+        known.thick = done == 0xff;
+        known.thick
     }
 }
 

@@ -1,6 +1,6 @@
 //! One ray through all parts: the grid on top, nodes below, packs at the leaves.
 
-use super::crowd::{self, Beaten, Crowd, Met};
+use super::crowd::{self, Aside, Beaten, Crowd, Met};
 use super::exact::{Exact, Known};
 use super::frame::{Entry, Start};
 use super::lanes::{Lanes, Portable, Row};
@@ -284,6 +284,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         let part: &'a Part<K> = self.part;
         for pack in &part.packs[slot.first as usize..][..slot.count as usize] {
             self.probe.leaf();
+            if self.crowd.thick && S::apart(Aside { pack, known: &mut self.crowd }) {
+                continue;
+            }
             let seen = pack.look::<S>(&self.ray, S::splat(self.limit));
             if seen.survivors != 0 && self.meet(pack, seen) {
                 return Next::Nothing;
