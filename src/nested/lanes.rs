@@ -1,5 +1,6 @@
 //! Eight numbers at a time: what the tests of packs and nodes are written in, once for all processors.
 
+use super::simd::Work;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// One f32 for each of eight lanes, aligned for processors that read it at once.
@@ -50,6 +51,10 @@ pub(super) trait Lanes:
 
     /// Bit `i` is set if the claim is true of lane `i`.
     fn bits(mask: Self::Mask) -> u32;
+
+    /// Does some work in a function of its own that is compiled for the same instructions: what is rare and long stays out of the
+    /// loops.
+    fn apart<W: Work>(work: W) -> W::Output;
 
     /// The cells of a node that a ray crosses: bit `x + 4 y + 16 z` is set if the intervals `x` of the first axis, `y` of the
     /// second and `z` of the third have a point in common. The row of an axis has the four lower ends, then the four upper.
@@ -233,5 +238,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn bits(mask: u32) -> u32 {
         mask
+    }
+    #[inline(never)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        work.run::<Self>()
     }
 }

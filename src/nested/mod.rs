@@ -34,6 +34,7 @@
 
 mod boxes;
 mod build;
+mod crowd;
 mod cut;
 mod exact;
 mod frame;
@@ -51,7 +52,6 @@ mod spheres;
 mod split;
 mod triangles;
 mod walk;
-mod wide;
 
 pub use options::{NestedOptions, Quality};
 

@@ -1,5 +1,6 @@
 //! Eight primitives at a time: which of them a ray may meet.
 
+use super::crowd::Wall;
 use super::frame::Sight;
 use super::lanes::{Lanes, Vector};
 use crate::geometry::NO_PRIM;
@@ -99,7 +100,7 @@ pub(super) trait Pack: Clone + Send + Sync {
         Verdict::Open
     }
 
-    /// The lanes of which f64 says the same as [`Verdict::Miss`]; for many at once.
+    /// The lanes of which f64 says the same as [`Verdict::Miss`]; for many at once. To be inlined.
     fn missed(&self, _sight: &Sight, _end: f32) -> u32 {
         0
     }
@@ -111,6 +112,16 @@ pub(super) trait Pack: Clone + Send + Sync {
 
     /// The lanes that have this corner.
     fn lanes_at<S: Lanes>(&self, _corner: &[f32; 3]) -> u32 {
+        0
+    }
+
+    /// The corner of a lane that most others have, if there are two or more.
+    fn common<S: Lanes>(&self, _lane: usize) -> Option<[f32; 3]> {
+        None
+    }
+
+    /// The lanes that lie on one side of a wall but for the corner that it goes through: the ray's line certainly misses them.
+    fn beside<S: Lanes>(&self, _wall: &Wall) -> u32 {
         0
     }
 

@@ -309,6 +309,16 @@ pub(super) mod avx2 {
             // SAFETY: see above.
             unsafe { _mm256_movemask_ps(mask.0) as u32 }
         }
+        #[inline(always)]
+        fn apart<W: Work>(work: W) -> W::Output {
+            #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+            #[inline(never)]
+            fn here<W: Work>(work: W) -> W::Output {
+                work.run::<Avx2>()
+            }
+            // SAFETY: see above.
+            unsafe { here(work) }
+        }
         /// Rows of cells are halves of bytes: two tables turn these round, and a third says where bytes go.
         #[inline(always)]
         fn mirrored(mask: u64, octant: usize) -> u64 {

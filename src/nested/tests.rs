@@ -1,8 +1,10 @@
 //! The nested grid against brute force, and its parts against what they promise.
 
-use super::frame::{Entry, Frame, Start};
+use super::crowd::{Crowd, Known};
+use super::frame::{Entry, Frame, Sight, Start};
 use super::lanes::{Lanes, Portable, Row};
 use super::pack::{Pack, PackRay, Seen, Verdict};
+use super::simd::Work;
 use super::spheres::SpherePack;
 use super::triangles::TrianglePack;
 use super::*;
@@ -107,6 +109,18 @@ fn entry(random: &mut Random, frame: &Frame) -> Option<(Ray, Entry)> {
     }
 }
 
+/// [`Pack::missed`] as work.
+struct Missed<'a, K>(&'a K, &'a Sight);
+
+impl<K: Pack> Work for Missed<'_, K> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<S: Lanes>(self) -> u32 {
+        self.0.missed(self.1, self.1.end[1])
+    }
+}
+
 /// What packs say, in portable code, by the processor's instructions and in f64, against the exact tests one by one.
 fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &Frame, packs: &[K]) -> [usize; 5] {
     let mut seen = [0; 5];
@@ -121,6 +135,8 @@ fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &
             if let Isa::Avx2(present) = Isa::detect() {
                 answers.push(simd::avx2::look(present, pack, sight));
             }
+            let missed = Isa::Portable.run(Missed(pack, sight));
+            assert_eq!(Isa::detect().run(Missed(pack, sight)), missed, "{ray:?}: f64 rounds alike everywhere");
             for (lane, &prim) in pack.prims().iter().enumerate().filter(|(_, prim)| **prim != NO_PRIM) {
                 let mut best = Best::NONE;
                 geometry.test(prim, &ray, &geometry.prepare(&ray), &mut best);
@@ -139,6 +155,7 @@ fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &
                     seen[1] += usize::from(!bit(survivors));
                 }
                 seen[0] += usize::from(best.is_hit());
+                assert!(missed >> lane & 1 == 0 || !best.is_hit(), "{} was thrown out with others", about());
                 match pack.judge(lane, sight, sight.end[1]) {
                     Verdict::Miss => {
                         assert!(!best.is_hit(), "{} was rejected in f64", about());
@@ -188,6 +205,52 @@ fn packs_reject_and_accept_only_what_is_certain() {
             rejected > 100_000 && missed > 10_000 && (size < 1.0 || (hits > 1000 && certain > 1000 && met > 500)),
             "{size}: {hits} {rejected} {certain} {missed} {met}"
         );
+    }
+}
+
+#[test]
+fn crowds_throw_out_only_what_is_missed() {
+    let mut random = Random::new(14);
+    for (size, beside) in [(1.0, 0.0), (1.0, 1e-3), (1.0, 1e-5), (1.0, 1e-7), (1e-3, 1e-5)] {
+        let apex = random.in_cube();
+        let mut triangles: Vec<Triangle> =
+            (0..64).map(|_| [apex, apex + size * random.in_cube(), apex + size * random.in_cube()]).collect();
+        triangles.iter_mut().enumerate().for_each(|(i, corners)| corners.rotate_left(i % 3));
+        // One in each pack is elsewhere.
+        triangles[3..].iter_mut().step_by(8).for_each(|corners| *corners = [(); 3].map(|()| apex + random.in_cube()));
+        let frame = Frame::new(&(0..64).fold(Aabb::EMPTY, |all, i| all.union(&triangles.bounds(i))));
+        let pack =
+            |at: usize| TrianglePack::new((at..at + 8).map(|i| (i as u32, triangles[i].map(|p| frame.sized(p)))));
+        let packs: Vec<_> = (0..8).map(|i| pack(8 * i)).collect();
+        let (mut asked, mut hits, mut by_wall, mut by_all) = (0, 0, 0, 0);
+        for _ in 0..1000 {
+            // Often differences are exact, and the ray meets the corner itself.
+            let origin = apex + (random.in_cube() * 64.0).round() / [16.0, 1e-3][random.next() as usize % 2];
+            let target = apex + random.in_cube() * beside;
+            let Some(ray) = Ray::new(origin, target - origin).intake() else { continue };
+            let Start::Inside(entry) = frame.enter(&ray, None) else { continue };
+            let sight = &entry.sight;
+            for isa in [Isa::Portable, Isa::detect()] {
+                let mut known = Known::default();
+                for pack in &packs {
+                    let out = isa.run(Crowd { pack, sight, end: sight.end[1], open: 0xff, known: &mut known });
+                    let wall = known.wall.map_or(0, |wall| pack.beside::<Portable>(&wall));
+                    for (lane, &prim) in pack.prims().iter().enumerate() {
+                        let mut best = Best::NONE;
+                        triangles.test(prim, &ray, &triangles.prepare(&ray), &mut best);
+                        assert!(
+                            (out | wall) >> lane & 1 == 0 || !best.is_hit(),
+                            "{ray:?}: {:?}",
+                            triangles[prim as usize]
+                        );
+                        hits += u32::from(best.is_hit());
+                    }
+                    (asked, by_wall, by_all) = (asked + 8, by_wall + wall.count_ones(), by_all + out.count_ones());
+                }
+            }
+        }
+        let enough = hits > 1000 && (beside < 1e-6 || by_wall * 3 > asked && by_all * 2 > asked);
+        assert!(enough, "{size}, {beside}: {hits} hits, {by_wall} and {by_all} of {asked} thrown out");
     }
 }
 

@@ -4,12 +4,13 @@
 //! that rounding leaves open. What is certainly missed is rejected, what is certainly hit is accepted with an interval of its
 //! parameter, and the rest survives, to be tested exactly.
 
+use super::crowd::Wall;
 use super::frame::Sight;
 use super::lanes::{Lanes, Row, Vector};
 use super::pack::{Pack, PackRay, Seen, Verdict, padded};
-use super::wide::{self, Wide};
 use crate::geometry::expansion::two_sum;
-use glam::Vec3;
+use crate::ray::{greater, lesser};
+use glam::{DVec3, Vec3};
 
 /// Eight triangles in the part's unit, from the world's origin: their corners exactly.
 ///
@@ -55,16 +56,27 @@ const DOUBLE: f64 = 1.0 / (1 << 29) as f64;
 /// More than what underflow of inputs takes away.
 const LEAST: f64 = 1e-40;
 
-/// What the test computes, in f64.
-struct Closely<const N: usize> {
+/// What the test computes in f64 of the edges.
+#[derive(Clone, Copy)]
+struct Edges {
     /// The least and the greatest of `U`, `V`, `W`, and their bound.
-    low: Wide<N>,
-    high: Wide<N>,
-    side: Wide<N>,
-    /// The parameter where the ray meets the plane, and its bound, which holds where the ray is steep enough.
-    p: Wide<N>,
-    bound: Wide<N>,
-    steep: [bool; N],
+    low: f64,
+    high: f64,
+    side: f64,
+    /// `c . (e1 x e2)`, `D`, `K` and `L`.
+    volume: f64,
+    determinant: f64,
+    away: f64,
+    longest: f64,
+}
+
+/// What it computes of the plane.
+#[derive(Clone, Copy)]
+struct Plane {
+    /// The parameter where the ray meets it, and its bound, which holds where the ray is steep enough.
+    p: f64,
+    bound: f64,
+    steep: bool,
 }
 
 impl TrianglePack {
@@ -90,28 +102,44 @@ impl TrianglePack {
 
     /// The same test with the same bounds, `e` being 2^-53, from the ray's own origin: all inputs are exact.
     #[inline(always)]
-    fn closely<const N: usize>(&self, first: usize, sight: &Sight) -> Closely<N> {
-        let of = |row: &Row| Wide(std::array::from_fn(|i| f64::from(row.0[(first + i) & 7])));
-        let corner = |i: usize| self.corners[i].each_ref().map(of);
-        let (o, d) = (sight.own.to_array().map(Wide::splat), sight.course.to_array().map(Wide::splat));
-        let [a, b, far] = [corner(0), corner(1), corner(2)];
-        let (c, e1, e2) = (wide::minus(a, o), wide::minus(a, b), wide::minus(far, a));
-        let (across, normal) = (wide::cross(c, d), wide::cross(e2, e1));
-        let (u, v, determinant) = (wide::dot(across, e2), wide::dot(across, e1), wide::dot(normal, d));
+    fn edges(&self, lane: usize, sight: &Sight) -> Edges {
+        let [[ax, ay, az], [bx, by, bz], [fx, fy, fz]] = &self.corners;
+        let a = DVec3::new(ax.0[lane].into(), ay.0[lane].into(), az.0[lane].into());
+        let b = DVec3::new(bx.0[lane].into(), by.0[lane].into(), bz.0[lane].into());
+        let far = DVec3::new(fx.0[lane].into(), fy.0[lane].into(), fz.0[lane].into());
+        let (c, e1, e2, d) = (a - sight.own, a - b, far - a, sight.course);
+        let (across, normal) = (c.cross(d), e2.cross(e1));
+        let (u, v, determinant) = (across.dot(e2), across.dot(e1), normal.dot(d));
         let w = determinant - u - v;
-        let (longest, away) = (of(&self.longest), c[0].abs().max(c[1].abs()).max(c[2].abs()));
-        let of_f32 = |bound: f32| Wide::splat(DOUBLE * f64::from(bound));
-        let (square, size, least) = (longest * longest, determinant.abs(), Wide::splat(LEAST));
-        let depth = square * of_f32(DEPTH);
-        let p = wide::dot(c, normal) / determinant;
-        Closely {
-            low: u.min(v).min(w),
-            high: u.max(v).max(w),
-            side: longest * (of_f32(SIDE) * (away + longest)) + least,
-            p: p - Wide::splat(sight.start),
-            bound: (square * (away * of_f32(HEIGHT)) + least + p.abs() * depth) / size,
-            steep: std::array::from_fn(|i| 8.0 * depth.0[i] < size.0[i]),
+        let longest = f64::from(self.longest.0[lane]);
+        let away = greater(greater(c.x.abs(), c.y.abs()), c.z.abs());
+        Edges {
+            low: lesser(lesser(u, v), w),
+            high: greater(greater(u, v), w),
+            side: longest * (DOUBLE * f64::from(SIDE) * (away + longest.abs())) + LEAST,
+            volume: c.dot(normal),
+            determinant,
+            away,
+            longest,
         }
+    }
+}
+
+impl Edges {
+    /// True if the ray's line certainly misses.
+    #[inline(always)]
+    fn outside(&self) -> bool {
+        (self.high > self.side) & (self.low < -self.side)
+    }
+
+    /// Where the ray meets the plane.
+    #[inline(always)]
+    fn plane(&self, sight: &Sight) -> Plane {
+        let (square, size) = (self.longest * self.longest, self.determinant.abs());
+        let depth = square * (DOUBLE * f64::from(DEPTH));
+        let height = square * (self.away * (DOUBLE * f64::from(HEIGHT))) + LEAST;
+        let p = self.volume / self.determinant;
+        Plane { p: p - sight.start, bound: (height + p.abs() * depth) / size, steep: 8.0 * depth < size }
     }
 }
 
@@ -158,28 +186,31 @@ impl Pack for TrianglePack {
 
     #[inline(never)]
     fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
-        let Closely { low, high, side, p, bound, steep } = self.closely::<1>(lane, sight);
-        let ([low], [high], [side]) = (low.0, high.0, side.0);
-        if high > side && low < -side {
-            Verdict::Miss
-        } else if steep[0] {
-            sight.judge(p.0[0], bound.0[0], end, low > side || high < -side)
-        } else {
-            Verdict::Open
+        let edges = self.edges(lane, sight);
+        if edges.outside() {
+            return Verdict::Miss;
         }
+        let Plane { p, bound, steep } = edges.plane(sight);
+        if !steep {
+            return Verdict::Open;
+        }
+        sight.judge(p, bound, end, edges.low > edges.side || edges.high < -edges.side)
     }
 
-    #[inline(never)]
+    /// Scalar loops without branches: the compiler makes vectors of them.
+    #[inline(always)]
     fn missed(&self, sight: &Sight, end: f32) -> u32 {
-        let (begin, end) = (f64::from(sight.begin[0]), f64::from(end));
         let mut missed = 0;
-        for first in [0, 4] {
-            let Closely { low, high, side, p, bound, steep } = self.closely::<4>(first, sight);
-            for i in 0..4 {
-                let outside = high.0[i] > side.0[i] && low.0[i] < -side.0[i];
-                let apart = p.0[i] + bound.0[i] < begin || p.0[i] - bound.0[i] > end;
-                missed |= u32::from(outside || (steep[i] && apart)) << (first + i);
-            }
+        for lane in 0..8 {
+            missed |= u32::from(self.edges(lane, sight).outside()) << lane;
+        }
+        if missed == 0xff {
+            return missed;
+        }
+        let (begin, end) = (f64::from(sight.begin[0]), f64::from(end));
+        for lane in 0..8 {
+            let Plane { p, bound, steep } = self.edges(lane, sight).plane(sight);
+            missed |= u32::from(steep & ((p + bound < begin) | (p - bound > end))) << lane;
         }
         missed
     }
@@ -201,8 +232,37 @@ impl Pack for TrianglePack {
     }
 
     #[inline(always)]
+    fn beside<S: Lanes>(&self, wall: &Wall) -> u32 {
+        let (at, normal) = (Vector::<S>::splat(&wall.corner), Vector::splat(&wall.normal));
+        let (zero, least) = (S::splat(0.0), S::splat(f32::from_bits(1)));
+        let (mut above, mut below) = (0xff, 0xff);
+        for rows in &self.corners {
+            let c = Vector::<S>::of(rows).minus(&at);
+            let (height, size) = (c.dot(&normal), c.size());
+            let bound = S::splat(TINY).plus_product(size, S::splat(wall.slack));
+            let there = S::bits(size.less(least));
+            above &= S::bits(bound.less(height)) | there;
+            below &= S::bits(height.less(zero - bound)) | there;
+        }
+        above | below
+    }
+
+    #[inline(always)]
+    fn common<S: Lanes>(&self, lane: usize) -> Option<[f32; 3]> {
+        let (mut most, mut common) = (2, None);
+        for [x, y, z] in &self.corners {
+            let corner = [x.0[lane & 7], y.0[lane & 7], z.0[lane & 7]];
+            let count = self.lanes_at::<S>(&corner).count_ones();
+            if count > most {
+                (most, common) = (count, Some(corner));
+            }
+        }
+        common
+    }
+
+    #[inline(always)]
     fn lanes_at<S: Lanes>(&self, corner: &[f32; 3]) -> u32 {
-        let [x, y, z] = corner.map(S::splat);
+        let Vector { x, y, z } = Vector::<S>::splat(corner);
         let mut lanes = 0;
         for rows in &self.corners {
             let Vector { x: a, y: b, z: c } = Vector::<S>::of(rows);

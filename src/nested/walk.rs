@@ -1,6 +1,7 @@
 //! One ray through all parts: the grid on top, nodes below, packs at the leaves.
 
 use super::boxes::BoxRay;
+use super::crowd::{self, Aside, Beaten, Crowd, Met};
 use super::exact::{Exact, Known};
 use super::frame::{Entry, Start};
 use super::lanes::{Lanes, Portable, Row};
@@ -99,9 +100,8 @@ struct Trace<'a, S, K, P> {
     pending: Option<(&'a K, usize)>,
     /// True if there is a winner that has been, or one that need not be.
     found: bool,
-    /// A corner that the ray passes through, without any rounding, and a primitive that it meets there, which was the winner. Other
-    /// primitives with that corner are met there or are parallel to the ray: with greater indices, they never win.
-    corner: Option<([f32; 3], u32)>,
+    /// What is known where many primitives are near the ray.
+    crowd: crowd::Known,
 }
 
 /// A node with cells that are still to come.
@@ -240,7 +240,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             sure: entry.sight.end[0],
             pending: None,
             found: false,
-            corner: None,
+            crowd: crowd::Known::default(),
         }
     }
 
@@ -308,6 +308,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
                 let pack = &part.packs[(first + met.trailing_zeros()) as usize];
                 met &= met - 1;
                 self.probe.leaf();
+                if self.crowd.thick && self.aside(pack) {
+                    continue;
+                }
                 let seen = pack.look::<S>(&self.ray, S::splat(self.limit));
                 if seen.survivors != 0 {
                     if self.meet(pack, seen) {
@@ -332,8 +335,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
         let (Row(from), Row(to)) = (from.row(), to.row());
         let mut survivors = seen.survivors;
-        if (survivors & !certain).count_ones() > 2 {
-            survivors &= !self.crowd(pack);
+        if !crowd::few(survivors & !certain) {
+            survivors &= !self.crowd(pack, survivors & !certain);
         }
         while survivors != 0 {
             let lane = survivors.trailing_zeros() as usize & 7;
@@ -368,7 +371,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             }
             self.settle();
             if self.exactly(prim) {
-                self.corner = pack.corner(lane, &self.entry.sight).map(|corner| (corner, prim));
+                self.crowd.met = pack.corner(lane, &self.entry.sight).map(|corner| Met { corner, prim });
+                let met = self.crowd.met;
+                survivors &= !S::apart(Beaten { pack, met: &met });
             }
             if self.any && self.found {
                 return true;
@@ -379,13 +384,21 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
 
     /// The lanes that need not be looked at one by one, where many primitives are near the ray.
     #[inline(always)]
-    fn crowd(&self, pack: &K) -> u32 {
-        let mut beaten = 0;
-        if let Some((corner, winner)) = &self.corner {
-            let later = pack.prims().iter().zip(0..).map(|(prim, lane)| u32::from(prim > winner) << lane);
-            beaten = pack.lanes_at::<S>(corner) & later.fold(0, |all, lane| all | lane);
-        }
-        if beaten == 0xff { beaten } else { beaten | pack.missed(&self.entry.sight, self.limit) }
+    fn crowd(&mut self, pack: &K, open: u32) -> u32 {
+        // A copy: what is lent out of `self` would keep all of it in memory.
+        let mut known = self.crowd;
+        let done = S::apart(Crowd { pack, sight: &self.entry.sight, end: self.limit, open, known: &mut known });
+        self.crowd = known;
+        done
+    }
+
+    /// True if nothing of a pack is left, of one after a pack of which nothing was.
+    #[inline(always)]
+    fn aside(&mut self, pack: &K) -> bool {
+        let mut known = self.crowd;
+        let aside = S::apart(Aside { pack, known: &mut known });
+        self.crowd = known;
+        aside
     }
 
     /// Finds the parameter of the winner that waits, if one does.
