@@ -11,8 +11,8 @@ use std::hint::black_box;
 
 /// Triangles and spheres, small enough for a program that runs fifty times as slowly as usual.
 const SCENES: [&str; 2] = ["bumpy:n=40", "random:n=5000"];
-/// Those that are in the registry.
-const ACCELS: [&str; 4] = ["grid", "grid-octant", "nested", "obvhs-cwbvh"];
+/// Those that are in the registry. The nested grid in its portable form, as callgrind does not know all instructions of the other.
+const ACCELS: [&str; 4] = ["grid", "grid-octant", "nested:isa=portable", "obvhs-cwbvh"];
 /// Rows and columns of the film.
 const SIDE: u32 = 32;
 
@@ -21,7 +21,7 @@ fn main() -> Result<(), skipgrid::Error> {
         let scene = load(spec, &LoadOptions::default())?;
         let options = RayOptions { width: SIDE, height: SIDE, ..RayOptions::default() };
         let sets = ray_sets(&scene, &*scene.accel("grid")?, &options)?;
-        for name in ACCELS.iter().filter(|name| ENTRIES.iter().any(|entry| entry.name == **name)) {
+        for name in ACCELS.iter().filter(|name| ENTRIES.iter().any(|entry| name.split(':').next() == Some(entry.name))) {
             let accel = scene.accel(name)?;
             for set in &sets {
                 black_box(hot_loop(&*accel, set));

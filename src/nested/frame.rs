@@ -173,7 +173,7 @@ impl Frame {
         let heading = self.heading(ray);
         if distance > NEAR {
             // What is not inlined takes nothing by reference that is in registers here, and gives little back.
-            return match self.from_afar(ray) {
+            return match self.afar(ray) {
                 Afar::Miss => Start::Miss,
                 Afar::TooFar => Start::TooFar,
                 Afar::Inside(origin, inside) => self.begin(ray, origin, &heading, &inside, winner),
@@ -219,10 +219,10 @@ impl Frame {
 
     #[cold]
     #[inline(never)]
-    fn from_afar(&self, ray: &Ray) -> Afar {
+    fn afar(&self, ray: &Ray) -> Afar {
         let origin = self.local(ray.origin.as_dvec3());
         if origin.abs().max_element() <= FAR {
-            return self.from_moved(origin, ray, 0.0);
+            return self.afar_moved(origin, ray, 0.0);
         }
         let (origin, moved, axis) = nearer(ray, self.centre, self.centre);
         let origin = origin * self.scale;
@@ -232,16 +232,16 @@ impl Frame {
         }
         // Beside the box while it is level with it: along no other axis does it move faster.
         if size > 16.0 {
-            return if origin[axis].abs() <= 4.0 { Afar::Miss } else { self.from_moved(origin, ray, moved) };
+            return if origin[axis].abs() <= 4.0 { Afar::Miss } else { self.afar_moved(origin, ray, moved) };
         }
-        self.from_moved(origin, ray, moved)
+        self.afar_moved(origin, ray, moved)
     }
 
     /// As [`Frame::enter`], in f64 and for a ray that has been moved by a parameter.
     ///
     /// With `u = 2^-53`, the origin in the part's coordinates is off by `2 u FAR`, and so are the parameters of entry and exit,
     /// up to a factor of 8: 2^-29 in all, against the margin of 2^-11.
-    fn from_moved(&self, origin: DVec3, ray: &Ray, moved: f64) -> Afar {
+    fn afar_moved(&self, origin: DVec3, ray: &Ray, moved: f64) -> Afar {
         let heading = self.heading(ray);
         // More than the rounding of a difference with `moved`.
         let slack = 4.0 * f64::EPSILON * moved.abs() * heading.rate;

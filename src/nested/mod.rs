@@ -53,7 +53,7 @@ mod split;
 mod triangles;
 mod walk;
 
-pub use options::{NestedOptions, Quality};
+pub use options::{Instructions, NestedOptions, Quality};
 
 use crate::accel::{Accel, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
 use crate::error::Result;
@@ -84,7 +84,11 @@ impl<G: Geometry> Nested<G> {
     /// # Errors
     /// It would take more than `options.memory` bytes.
     pub fn build(geometry: G, options: &NestedOptions) -> Result<Self> {
-        let (isa, mut shape) = (Isa::detect(), Shape::default());
+        let isa = match options.instructions {
+            Instructions::Detected => Isa::detect(),
+            Instructions::Portable => Isa::Portable,
+        };
+        let mut shape = Shape::default();
         let (bounds, left_out) = root::build(&geometry, options, isa, &mut shape, &mut Workshop::default())?;
         Ok(Self { geometry, shape, isa, bounds, left_out, options: *options, shop: None })
     }

@@ -20,6 +20,22 @@ impl Quality {
         [("fast", Quality::Fast), ("default", Quality::Default), ("best", Quality::Best)];
 }
 
+/// Which of the processor's instructions rays may use; answers are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Instructions {
+    /// The best ones that are there, asked for once: AVX2 with fused products, or those of [`Instructions::Portable`].
+    #[default]
+    Detected,
+    /// Those that the program was compiled for.
+    Portable,
+}
+
+impl Instructions {
+    /// Names as in specifications, in the order of the variants.
+    pub const NAMES: [(&'static str, Instructions); 2] =
+        [("detected", Instructions::Detected), ("portable", Instructions::Portable)];
+}
+
 /// How to build a [`super::Nested`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NestedOptions {
@@ -27,12 +43,14 @@ pub struct NestedOptions {
     pub quality: Quality,
     /// Bytes that it may take; one that needs more is refused.
     pub memory: u64,
+    /// Which instructions it is built and traced with.
+    pub instructions: Instructions,
 }
 
 impl Default for NestedOptions {
     /// [`Quality::Default`], a quarter of the machine's memory but at most 8 GiB.
     fn default() -> Self {
-        Self { quality: Quality::Default, memory: default_budget() }
+        Self { quality: Quality::Default, memory: default_budget(), instructions: Instructions::Detected }
     }
 }
 

@@ -449,6 +449,7 @@ mod tests {
             ("bsp:density=2", "unknown option `density`"),
             ("nested:quality=good", "fast|default|best"),
             ("nested:memory=-1", "memory"),
+            ("nested:isa=avx9", "detected|portable"),
             ("", "name"),
         ] {
             let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };
