@@ -21,7 +21,8 @@ fn main() -> Result<(), skipgrid::Error> {
         let scene = load(spec, &LoadOptions::default())?;
         let options = RayOptions { width: SIDE, height: SIDE, ..RayOptions::default() };
         let sets = ray_sets(&scene, &*scene.accel("grid")?, &options)?;
-        for name in ACCELS.iter().filter(|name| ENTRIES.iter().any(|entry| name.split(':').next() == Some(entry.name))) {
+        for name in ACCELS.iter().filter(|name| ENTRIES.iter().any(|entry| name.split(':').next() == Some(entry.name)))
+        {
             let accel = scene.accel(name)?;
             for set in &sets {
                 black_box(hot_loop(&*accel, set));

@@ -10,7 +10,8 @@ use super::simd::Work;
 use glam::DVec3;
 
 /// A corner that a ray passes through, without any rounding, and a primitive that it meets there, which was the winner. Other
-/// primitives with that corner are met there or are parallel to the ray: with greater indices, they never win.
+/// primitives with that corner are met there or are parallel to the ray: with greater indices, they never win, and with smaller ones
+/// they do if they are not parallel, as long as the winner is the one that was.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Met {
     pub corner: [f32; 3],
@@ -67,6 +68,8 @@ pub(super) struct Crowd<'a, K> {
     pub end: f32,
     /// The lanes that are open.
     pub open: u32,
+    /// The winner so far.
+    pub winner: Option<u32>,
     pub known: &'a mut Known,
 }
 
@@ -75,8 +78,17 @@ impl<K: Pack> Work for Crowd<'_, K> {
 
     #[inline(always)]
     fn run<S: Lanes>(self) -> u32 {
-        let Self { pack, sight, end, open, known } = self;
+        let Self { pack, sight, end, open, winner, known } = self;
         let mut done = Beaten { pack, met: &known.met }.run::<S>();
+        if let Some(met) = known.met.as_mut().filter(|met| Some(met.prim) == winner) {
+            let earlier = pack.lanes_at::<S>(&met.corner) & open & !done;
+            let mut tied = if earlier == 0 { 0 } else { earlier & pack.crossed(sight) };
+            while tied != 0 {
+                met.prim = met.prim.min(pack.prims()[tied.trailing_zeros() as usize & 7]);
+                tied &= tied - 1;
+            }
+            done |= Beaten { pack, met: &known.met }.run::<S>();
+        }
         if let Some(wall) = &known.wall {
             done |= pack.beside::<S>(wall);
         }
@@ -139,7 +151,7 @@ impl<K: Pack> Work for Beaten<'_, K> {
         let Some(Met { corner, prim }) = self.met else { return 0 };
         let mut later = 0;
         for lane in 0..8 {
-            later |= u32::from(self.pack.prims()[lane] > *prim) << lane;
+            later |= u32::from(self.pack.prims()[lane] >= *prim) << lane;
         }
         later & self.pack.lanes_at::<S>(corner)
     }

@@ -14,6 +14,9 @@ pub(super) trait Exact {
     /// Makes a primitive the winner that certainly is, with its parameter and a bound on the error.
     fn replace(&mut self, prim: u32, t: f64, err: f64) -> Option<Known>;
 
+    /// Makes a primitive the winner that certainly is met where the winner is, and has a smaller index.
+    fn rename(&mut self, prim: u32);
+
     /// What is known of the winner's parameter, if there is a winner.
     fn known(&self) -> Option<Known>;
 }
@@ -64,6 +67,10 @@ impl<G: Geometry> Exact for Tests<'_, G> {
     fn replace(&mut self, prim: u32, t: f64, err: f64) -> Option<Known> {
         self.best.replace(t, err, prim);
         self.known()
+    }
+
+    fn rename(&mut self, prim: u32) {
+        self.best.replace(self.best.t(), self.best.err(), prim);
     }
 
     #[inline]

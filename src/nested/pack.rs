@@ -115,6 +115,11 @@ pub(super) trait Pack: Clone + Send + Sync {
         0
     }
 
+    /// The lanes whose planes the ray's line certainly crosses in one point.
+    fn crossed(&self, _sight: &Sight) -> u32 {
+        0
+    }
+
     /// The corner of a lane that most others have, if there are two or more.
     fn common<S: Lanes>(&self, _lane: usize) -> Option<[f32; 3]> {
         None

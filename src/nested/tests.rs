@@ -233,7 +233,8 @@ fn crowds_throw_out_only_what_is_missed() {
             for isa in [Isa::Portable, Isa::detect()] {
                 let mut known = Known::default();
                 for pack in &packs {
-                    let out = isa.run(Crowd { pack, sight, end: sight.end[1], open: 0xff, known: &mut known });
+                    let out =
+                        isa.run(Crowd { pack, sight, end: sight.end[1], open: 0xff, winner: None, known: &mut known });
                     let wall = known.wall.map_or(0, |wall| pack.beside::<Portable>(&wall));
                     for (lane, &prim) in pack.prims().iter().enumerate() {
                         let mut best = Best::NONE;
@@ -251,6 +252,37 @@ fn crowds_throw_out_only_what_is_missed() {
         }
         let enough = hits > 1000 && (beside < 1e-6 || by_wall * 3 > asked && by_all * 2 > asked);
         assert!(enough, "{size}, {beside}: {hits} hits, {by_wall} and {by_all} of {asked} thrown out");
+    }
+}
+
+#[test]
+fn of_many_met_in_one_corner_the_first_wins() {
+    let mut random = Random::new(15);
+    for order in 0..3 {
+        let apex = (random.in_cube() * 64.0).round() / 64.0;
+        // Corners on a lattice: many triangles are in one plane with a ray.
+        let mut triangles: Vec<Triangle> = (0..400)
+            .map(|i| {
+                let [p, q] = [(); 2].map(|()| (random.in_cube() * 4.0).round() / 4.0);
+                let mut corners = [apex, apex + p + Vec3::X, apex + q + Vec3::Y];
+                corners.rotate_left(i % 3);
+                corners
+            })
+            .collect();
+        let turn = |t: &Triangle| t.iter().map(|p| p.y - apex.y).sum::<f32>();
+        match order {
+            0 => triangles.sort_by(|a, b| turn(a).total_cmp(&turn(b))),
+            1 => triangles.sort_by(|a, b| turn(b).total_cmp(&turn(a))),
+            _ => {}
+        }
+        let rays: Vec<Ray> = (0..400)
+            .map(|i| {
+                let offset = (random.in_cube() * 8.0).round() / [8.0, 2.0][i % 2];
+                let aside = if i % 5 == 0 { random.in_cube() * 1e-6 } else { Vec3::ZERO };
+                Ray::new(apex - offset + aside, offset)
+            })
+            .collect();
+        check(&format!("fan in order {order}"), &triangles, &rays);
     }
 }
 

@@ -215,6 +215,15 @@ impl Pack for TrianglePack {
         missed
     }
 
+    #[inline(always)]
+    fn crossed(&self, sight: &Sight) -> u32 {
+        let mut crossed = 0;
+        for lane in 0..8 {
+            crossed |= u32::from(self.edges(lane, sight).plane(sight).steep) << lane;
+        }
+        crossed
+    }
+
     fn corner(&self, lane: usize, sight: &Sight) -> Option<[f32; 3]> {
         let d = sight.course.to_array();
         self.corners.iter().map(|rows| rows.each_ref().map(|row| row.0[lane])).find(|corner| {

@@ -385,9 +385,15 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     /// The lanes that need not be looked at one by one, where many primitives are near the ray.
     #[inline(always)]
     fn crowd(&mut self, pack: &K, open: u32) -> u32 {
+        // One that waits is nearer than the one that has been.
+        let winner = if self.pending.is_some() { None } else { self.exact.known().map(|known| known.prim) };
         // A copy: what is lent out of `self` would keep all of it in memory.
         let mut known = self.crowd;
-        let done = S::apart(Crowd { pack, sight: &self.entry.sight, end: self.limit, open, known: &mut known });
+        let before = known.met.map(|met| met.prim);
+        let done = S::apart(Crowd { pack, sight: &self.entry.sight, end: self.limit, open, winner, known: &mut known });
+        if let Some(met) = known.met.filter(|met| Some(met.prim) != before) {
+            self.exact.rename(met.prim);
+        }
         self.crowd = known;
         done
     }
