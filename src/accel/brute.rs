@@ -34,12 +34,22 @@ impl<G: Geometry> BruteForce<G> {
 
 /// The closest of all primitives; where other structures end up when a ray starts too far away for their arithmetic.
 /// `ray` comes from [`Ray::intake`].
+///
+/// Copies of the winner, corner by corner, are not tested: they tie with it, and the least index wins.
 pub(crate) fn scan_all<G: Geometry, P: Probe>(geometry: &G, ray: &Ray, probe: &mut P) -> Best {
     let prep = geometry.prepare(ray);
-    let mut best = Best::NONE;
+    let shape = |prim| (geometry.triangle(prim), geometry.sphere(prim));
+    let (mut best, mut winner) = (Best::NONE, (None, None));
     for prim in 0..geometry.len() {
+        if winner != (None, None) && shape(prim) == winner {
+            continue;
+        }
         probe.test();
+        let before = best.prim();
         geometry.test(prim, ray, &prep, &mut best);
+        if best.prim() != before {
+            winner = best.prim().map_or((None, None), shape);
+        }
     }
     best
 }
