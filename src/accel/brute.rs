@@ -35,7 +35,8 @@ impl<G: Geometry> BruteForce<G> {
 /// The closest of all primitives; where other structures end up when a ray starts too far away for their arithmetic.
 /// `ray` comes from [`Ray::intake`].
 ///
-/// Copies of the winner, corner by corner, are not tested: they tie with it, and the least index wins.
+/// Copies of the winner, corner by corner, are not tested: they tie with it, and the least index wins. Not by
+/// [`Geometry::fingerprint`], which sorts corners: that takes longer than most tests.
 pub(crate) fn scan_all<G: Geometry, P: Probe>(geometry: &G, ray: &Ray, probe: &mut P) -> Best {
     let prep = geometry.prepare(ray);
     let shape = |prim| (geometry.triangle(prim), geometry.sphere(prim));

@@ -135,6 +135,7 @@ pub(super) fn sort(order: &mut [u64], members: &[Bounds]) {
 #[cfg(test)]
 mod tests {
     use super::super::lanes::Portable;
+    #[cfg(target_arch = "x86_64")]
     use super::super::simd::Isa;
     use super::*;
     use crate::geometry::tests::Random;

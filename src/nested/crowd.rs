@@ -83,11 +83,13 @@ impl<K: Pack> Work for Crowd<'_, K> {
         if let Some(met) = known.met.as_mut().filter(|met| Some(met.prim) == winner) {
             let earlier = pack.lanes_at::<S>(&met.corner) & open & !done;
             let mut tied = if earlier == 0 { 0 } else { earlier & pack.crossed(sight) };
-            while tied != 0 {
-                met.prim = met.prim.min(pack.prims()[tied.trailing_zeros() as usize & 7]);
-                tied &= tied - 1;
+            if tied != 0 {
+                while tied != 0 {
+                    met.prim = met.prim.min(pack.prims()[tied.trailing_zeros() as usize & 7]);
+                    tied &= tied - 1;
+                }
+                done |= Beaten { pack, met: &known.met }.run::<S>();
             }
-            done |= Beaten { pack, met: &known.met }.run::<S>();
         }
         if let Some(wall) = &known.wall {
             done |= pack.beside::<S>(wall);

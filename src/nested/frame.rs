@@ -16,6 +16,7 @@
 //! from further away starts where it enters the box, rounded to f32; [`Sight::fuzz`] says how far that may be off.
 
 use super::exact::Known;
+use super::step::least;
 use crate::accel::nearer;
 use crate::ray::{Aabb, Ray, greater, lesser};
 use glam::{DVec3, Vec3};
@@ -363,10 +364,4 @@ impl Entry {
     pub fn walked(&self, p: f32) -> f32 {
         (p - self.shift) + SLACK
     }
-}
-
-/// The lesser one, neither a NaN: one instruction.
-#[inline(always)]
-fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }

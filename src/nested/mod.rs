@@ -13,7 +13,7 @@
 //!  +- part: the rest            another grid
 //! ```
 //!
-//! **A ray** (`walk.rs`) is moved to where it enters the part, in f64, and continues in f32. On top it steps and leaps as in
+//! **A ray** (`walk.rs`) is moved to where it enters the part, in f64, and continues in f32. On top (`step.rs`) it steps and leaps as in
 //! [`crate::grid`]. In a node the crossings of all planes are found at once, and from them the mask of the cells that the ray
 //! crosses; what that has in common with the filled cells is visited from the lowest bit on, which, with the node seen along
 //! the ray's octant, is front to back. At a leaf, eight boxes at a time say which packs are met. A pack rejects what is certainly missed; a
@@ -50,6 +50,7 @@ mod simd;
 mod source;
 mod spheres;
 mod split;
+mod step;
 mod triangles;
 mod walk;
 

@@ -1,0 +1,121 @@
+//! A ray from cell to cell of the grid on top: the walk of Amanatides and Woo in f32, and leaps out of empty cubes.
+//!
+//! A crossing is computed anew from the number of its plane, alike from both sides; no parameter is added up.
+
+use super::frame::Entry;
+use super::shape::Top;
+
+/// A cell of the grid on top, and where the ray leaves it. A plane is crossed at its number times the pace less the base.
+pub(super) struct Place {
+    pub cell: isize,
+    /// Where the ray crosses the next plane of each axis.
+    pub crossing: [f32; 3],
+    /// Numbers of these planes.
+    plane: [f32; 3],
+    pace: [f32; 3],
+    /// Planes for each unit of `s`.
+    planes: [f32; 3],
+    base: [f32; 3],
+    /// From cell to cell along each axis.
+    stride: [isize; 3],
+    /// Steps that stay within the grid.
+    left: [i32; 3],
+}
+
+impl Place {
+    /// That of a grid of one cell.
+    pub const ONE: Place = Place {
+        cell: 0,
+        crossing: [f32::INFINITY; 3],
+        plane: [0.0; 3],
+        pace: [0.0; 3],
+        planes: [0.0; 3],
+        base: [0.0; 3],
+        stride: [0; 3],
+        left: [0; 3],
+    };
+
+    /// Where a ray from `origin`, seen along its octant, begins.
+    #[inline(always)]
+    pub fn new(top: &Top, origin: &[f32; 3], entry: &Entry, octant: usize) -> Self {
+        let (inverse, size) = (&entry.inverse, &entry.size);
+        let mut place = Self::ONE;
+        let mut step = 1;
+        for a in 0..3 {
+            let from = top.half[a] + origin[a];
+            place.base[a] = from * inverse[a];
+            place.pace[a] = top.cell[a] * inverse[a];
+            place.planes[a] = top.per_unit[a] * size[a];
+            let last = top.cells[a] as i32 - 1;
+            // The origin is in the grid but for rounding.
+            let (at, number) = whole(least(most(from * top.per_unit[a] - 0.5, 0.0), last as f32));
+            place.left[a] = last - number;
+            place.plane[a] = at + 1.0;
+            place.crossing[a] = place.plane[a] * place.pace[a] - place.base[a];
+            let backward = octant >> a & 1 != 0;
+            place.stride[a] = if backward { -step } else { step };
+            place.cell += (if backward { last - number } else { number }) as isize * step;
+            step *= top.cells[a] as isize;
+        }
+        place
+    }
+
+    /// To the next cell along an axis, and `s` to where it begins; false outside the grid.
+    #[inline(always)]
+    pub fn step<const A: usize>(&mut self, s: &mut f32) -> bool {
+        *s = self.crossing[A];
+        self.left[A] -= 1;
+        self.plane[A] += 1.0;
+        self.cell += self.stride[A];
+        self.crossing[A] = self.plane[A] * self.pace[A] - self.base[A];
+        self.left[A] >= 0
+    }
+
+    /// To where the ray leaves the empty cube of `edge` cells that begins with this one; false outside the grid or beyond
+    /// `end`.
+    #[inline(always)]
+    pub fn leap(&mut self, edge: f32, end: f32, s: &mut f32) -> bool {
+        let mut exits = [0.0; 3];
+        for a in 0..3 {
+            exits[a] = self.crossing[a] + (edge - 1.0) * self.pace[a];
+        }
+        let exit = least(exits[0], least(exits[1], exits[2]));
+        *s = exit;
+        let mut outside = 0;
+        for a in 0..3 {
+            // Planes crossed on the way; all of the cube's along the axis of the exit, and at most one less along another. The
+            // product may round to a plane that is crossed just behind the exit, or not to one just before it: by rounding of the
+            // crossing, which the padding allows for.
+            let beyond = (exit - self.crossing[a]) * self.planes[a];
+            let within = if beyond < 0.0 { 0.0 } else { least(beyond + 0.5, edge - 1.0) };
+            let (crossed, number) = whole(if exits[a] == exit { edge } else { within });
+            self.plane[a] += crossed;
+            self.left[a] -= number;
+            outside |= self.left[a];
+            self.cell += number as isize * self.stride[a];
+            self.crossing[a] = self.plane[a] * self.pace[a] - self.base[a];
+        }
+        outside >= 0 && exit <= end
+    }
+}
+
+/// The whole number nearest to one from 0 to 2^22, as both: without a conversion, which would have to ask for its range.
+#[inline(always)]
+fn whole(x: f32) -> (f32, i32) {
+    // Here the last place is 1.
+    const SHIFT: f32 = 8_388_608.0;
+    let shifted = x + SHIFT;
+    (shifted - SHIFT, (shifted.to_bits() & 0x007f_ffff) as i32)
+}
+
+/// The lesser one, neither a NaN: one instruction.
+#[inline(always)]
+pub(super) fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The greater one.
+#[inline(always)]
+pub(super) fn most(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
