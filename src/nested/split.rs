@@ -276,4 +276,21 @@ mod tests {
         let sizes = groups(&boxes);
         assert_eq!(sizes, [(2, true), (1000, false), (1000, false), (1000, false), (1, false)]);
     }
+
+    #[test]
+    fn a_floor_of_many_pieces_bridges_nothing() {
+        let mut boxes = lattice(10, Vec3::ZERO, 1.0);
+        // A field of 96 slices that meet under the object, and blocks around it that they reach.
+        let at = |i: usize, radius: f32| {
+            let (sin, cos) = (std::f32::consts::TAU * i as f32 / 96.0).sin_cos();
+            Vec3::new(radius * cos, -1.0, radius * sin)
+        };
+        let slice = |i| [Vec3::NEG_Y, at(i, 400.0), at(i + 1, 400.0)].map(|p| Aabb { min: p, max: p });
+        boxes.extend((0..96).map(|i| slice(i).iter().fold(Aabb::EMPTY, |all, p| all.union(p))));
+        for tier in 0..10 {
+            let min = |i| at(i, 400.0 + 160.0 * tier as f32) + 90.0 * tier as f32 * Vec3::Y;
+            boxes.extend((0..96).map(|i| Aabb { min: min(i), max: min(i) + 90.0 }));
+        }
+        assert_eq!(groups(&boxes), [(1000, false), (96 + 960, false)]);
+    }
 }
