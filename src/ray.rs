@@ -1,6 +1,6 @@
 //! Rays, axis-aligned boxes, and the intake that decides which rays are rays.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 
 /// The set of points `origin + t * direction` for `t_min <= t <= t_max`, both ends included.
 ///
@@ -40,14 +40,13 @@ impl Ray {
     /// zeros become positive ones, so that later stages need not tell them apart.
     #[inline]
     pub fn intake(&self) -> Option<Ray> {
-        let usable = self.origin.is_finite()
-            && self.direction.is_finite()
-            && self.direction != Vec3::ZERO
-            && self.t_min <= self.t_max;
+        let (origin, direction) = (Vec3A::from(self.origin), Vec3A::from(self.direction));
+        let usable =
+            origin.is_finite() & direction.is_finite() & (direction != Vec3A::ZERO) & (self.t_min <= self.t_max);
         // x + 0.0 is x for every x but -0.0, which becomes 0.0.
         usable.then(|| Ray {
-            origin: self.origin + Vec3::ZERO,
-            direction: self.direction + Vec3::ZERO,
+            origin: (origin + Vec3A::ZERO).into(),
+            direction: (direction + Vec3A::ZERO).into(),
             t_min: self.t_min + 0.0,
             t_max: self.t_max + 0.0,
         })

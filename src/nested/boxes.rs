@@ -1,81 +1,114 @@
-//! Boxes around the packs of a leaf: eight are asked at once which of their packs a ray may meet.
+//! Boxes around the packs of a leaf, in trees: eight are asked at once which of them a ray meets.
 //!
-//! A test of eight boxes takes half as long as that of one pack. So a leaf may hold dozens of primitives, cells need not be
-//! cut as finely, and fewer primitives are listed in more than one.
+//! A test of eight boxes takes half as long as that of one pack. So a leaf may hold thousands of primitives, and few of them are listed
+//! in more than one.
 //!
-//! **Why nothing is lost.** A box holds what its primitives have in the cell, padded by [`PADDING`] twice: once where the cell cuts them off, as
-//! walks come as near to a cell as that, and once on all sides. The walk's ray at an `s` is off by less than `4 e` along each axis (see `frame`), and so is the
-//! plane of a box with its rounding. Where the hit is at an `s` of at most 4, the computed crossing of a plane before it is at most `s + 12 e - 54 e
-//! / |d|` with `|d| <= 1`, thus before it, and one behind it is behind it: the box is met, at that `s` as well.
+//! After T. Ize, "Robust BVH ray traversal", JCGT 2 (2013), section 3: rounding moves the crossing of a plane by a factor, never across the
+//! ray's origin. Departs from it: both crossings are moved apart, so that the ray's end may be compared with them as well, and rays whose
+//! origin is not exact, or almost parallel to a plane, are widened by a distance.
+//!
+//! **Why nothing is lost.** Boxes are exact, or rounded outwards; the plane of a box and the ray's origin are then exact ([`Sight`](super::frame::Sight)), their
+//! difference, the inverse of the direction and the product are each off by a factor of `1 + e` at most, and [`EARLY`] and [`LATE`] are
+//! further from 1 than all three. What is behind the origin stays behind it: a ray that leaves a flat surface does not meet the
+//! surface's box. Where the origin is off by the `fuzz`, both planes are moved apart by four times as much; where a component of
+//! the direction is below [`LEAST`] and was replaced by it, by more than that moves the ray within the box.
+//!
+//! A box holds what its primitives have in the cell, padded where the cell cuts them off, as walks come no nearer to a cell than that.
 
-use super::frame::PADDING;
+use super::frame::{Entry, LEAST};
 use super::lanes::{Lanes, Row, Vector};
+use super::step::most;
+use glam::Vec3A;
 
 /// A box: its least and its greatest corner.
 pub(super) type Bounds = [[f32; 3]; 2];
 
-/// Boxes of eight packs that follow one another.
+/// Boxes around up to eight packs, or groups of the next level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Boxes {
     /// Least and greatest coordinates along each axis; a lane that holds none has them the wrong way round.
     pub planes: [[Row; 3]; 2],
-    /// The first of the packs.
+    /// The first of the packs, less `inner`.
     pub first: u32,
+    /// The first of the groups.
+    pub below: u32,
+    /// How many of the lanes, from the first on, are groups: the others are packs.
+    pub inner: u32,
 }
 
-/// A ray as boxes see it, in a part's coordinates.
+/// Crossings are moved by these factors: a product of three that are rounded is off by `3 e`, and these by `16 e` and their own rounding.
+const EARLY: f32 = 1.0 - 8.0 * f32::EPSILON;
+const LATE: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// A ray as boxes see it, from the world's origin as packs do.
 #[derive(Clone, Copy)]
 pub(super) struct BoxRay<S> {
-    origin: Vector<S>,
-    /// One over the components of the direction.
-    inverse: Vector<S>,
-    /// For each axis, which of the planes come first: 1 if the ray moves backwards.
-    side: [usize; 3],
+    /// The origin at or beyond its place along each axis, and at or before it.
+    near: Vector<S>,
+    far: Vector<S>,
+    /// One over the components of the direction, less and more than it is.
+    early: Vector<S>,
+    late: Vector<S>,
+    /// At or before the `p` of the ray's begin, at least 0.
+    begin: S,
+    /// Bit `a` is set if the ray moves backwards along axis `a`.
+    octant: usize,
 }
 
 impl<S: Lanes> BoxRay<S> {
-    /// The ray from `origin`, `inverse` being one over the sizes of its direction's components and `sign` their signs.
+    /// The ray of an entry.
     #[inline(always)]
-    pub fn new(origin: &[f32; 3], inverse: &[f32; 3], sign: &[f32; 3]) -> Self {
-        let mut signed = [0.0; 3];
-        let mut side = [0; 3];
-        for a in 0..3 {
-            signed[a] = inverse[a] * sign[a];
-            side[a] = usize::from(sign[a] < 0.0);
+    pub fn new(entry: &Entry) -> Self {
+        // More than the least component moves the ray, which is at most 10 long where it matters.
+        const ASIDE: f32 = 16.0 * LEAST;
+        let Entry { sight, inverse, sign, size, .. } = entry;
+        // Twice the rounding of the sum with the origin.
+        let aside = Vec3A::splat(ASIDE) + sight.origin.abs() * f32::EPSILON;
+        let aside = Vec3A::select(size.cmple(Vec3A::splat(LEAST)), aside, Vec3A::ZERO) + 4.0 * sight.fuzz;
+        let (aside, inverse) = (aside * sign, inverse * sign);
+        Self {
+            near: Vector::splat(sight.origin + aside),
+            far: Vector::splat(sight.origin - aside),
+            early: Vector::splat(inverse * EARLY),
+            late: Vector::splat(inverse * LATE),
+            begin: S::splat(most(sight.begin[0], 0.0)),
+            octant: sign.is_negative_bitmask() as usize,
         }
-        Self { origin: Vector::splat(origin), inverse: Vector::splat(&signed), side }
     }
 }
 
 impl Boxes {
-    /// No boxes, of packs from `first` on.
-    pub fn new(first: u32) -> Self {
-        Self { planes: [[Row([f32::INFINITY; 8]); 3], [Row([f32::NEG_INFINITY; 8]); 3]], first }
-    }
+    /// No boxes: lanes without one have it the wrong way round.
+    pub const NONE: Boxes = Boxes {
+        planes: [[Row([f32::INFINITY; 8]); 3], [Row([f32::NEG_INFINITY; 8]); 3]],
+        first: 0,
+        below: 0,
+        inner: 0,
+    };
 
     /// Boxes that every ray meets, of eight packs from `first` on, or as many as there are before `end`.
     pub fn around_all(first: usize, end: usize) -> Self {
-        let mut boxes = Self::new(first as u32);
+        let mut boxes = Self { first: first as u32, ..Self::NONE };
         for lane in 0..8.min(end - first) {
-            boxes.add(lane, &[[f32::NEG_INFINITY; 3], [f32::INFINITY; 3]]);
+            boxes.set(lane, &[[f32::NEG_INFINITY; 3], [f32::INFINITY; 3]]);
         }
         boxes
     }
 
-    /// Puts a box around that of a lane and `bounds`.
-    pub fn add(&mut self, lane: usize, [low, high]: &Bounds) {
-        for a in 0..3 {
-            let (least, most) = (&mut self.planes[0][a].0[lane & 7], low[a] - PADDING);
-            *least = least.min(most);
-            let (greatest, most) = (&mut self.planes[1][a].0[lane & 7], high[a] + PADDING);
-            *greatest = greatest.max(most);
+    /// Sets the box of a lane.
+    pub fn set(&mut self, lane: usize, bounds: &Bounds) {
+        for (planes, corner) in self.planes.iter_mut().zip(bounds) {
+            for (row, &x) in planes.iter_mut().zip(corner) {
+                row.0[lane & 7] = x;
+            }
         }
     }
 
-    /// Where the ray enters each box, and the boxes that it meets at an `s` of 0 to `end`.
+    /// Where the ray enters each box, and the boxes that it meets from its begin to a `p` of `end`.
     #[inline(always)]
     pub fn look<S: Lanes>(&self, ray: &BoxRay<S>, end: f32) -> (S, u32) {
-        let [x, y, z] = ray.side;
+        let [x, y, z] = [ray.octant, ray.octant >> 1, ray.octant >> 2];
+        // Which planes come first.
         let near = Vector {
             x: S::of(&self.planes[x & 1][0]),
             y: S::of(&self.planes[y & 1][1]),
@@ -86,123 +119,99 @@ impl Boxes {
             y: S::of(&self.planes[!y & 1][1]),
             z: S::of(&self.planes[!z & 1][2]),
         };
-        let (near, far) = (near.minus(&ray.origin), far.minus(&ray.origin));
-        let enters = (near.x * ray.inverse.x).max(near.y * ray.inverse.y).max(near.z * ray.inverse.z);
-        let leaves = (far.x * ray.inverse.x).min(far.y * ray.inverse.y).min(far.z * ray.inverse.z);
-        let misses = leaves.less(enters.max(S::splat(0.0))) | S::splat(end).less(enters);
+        let (near, far) = (near.minus(&ray.near), far.minus(&ray.far));
+        let enters = (near.x * ray.early.x).max(near.y * ray.early.y).max(near.z * ray.early.z);
+        let leaves = (far.x * ray.late.x).min(far.y * ray.late.y).min(far.z * ray.late.z);
+        let misses = leaves.less(enters.max(ray.begin)) | S::splat(end).less(enters);
         (enters, !S::bits(misses) & 0xff)
     }
 }
 
-/// Sorts places in `members`, the lower halves of `order`, so that any eight from a multiple of eight on are near one another, and any 64 from a
-/// multiple of 64 on. The upper halves are of no meaning.
-pub(super) fn sort(order: &mut [u64], members: &[Bounds]) {
-    if order.len() <= 8 {
-        return;
-    }
-    // Twice the middle: nothing to divide.
-    let middle = |place: u64, a: usize| {
-        let [low, high] = &members[place as u32 as usize];
-        low[a] + high[a]
-    };
-    let (mut least, mut greatest) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for &place in &*order {
-        for a in 0..3 {
-            let middle = middle(place, a);
-            least[a] = least[a].min(middle);
-            greatest[a] = greatest[a].max(middle);
-        }
-    }
-    let long = |a: usize| greatest[a] - least[a];
-    let axis = if long(0) >= long(1) && long(0) >= long(2) { 0 } else { 1 + usize::from(long(2) > long(1)) };
-    // Half of them, in whole packs.
-    let half = order.len().div_ceil(2).next_multiple_of(if order.len() > 64 { 64 } else { 8 });
-    if half >= order.len() {
-        return;
-    }
-    for place in &mut *order {
-        let bits = middle(*place, axis).to_bits();
-        // Ascending as the numbers are.
-        let key = if bits >> 31 != 0 { !bits } else { bits | 1 << 31 };
-        *place = u64::from(key) << 32 | u64::from(*place as u32);
-    }
-    order.select_nth_unstable(half);
-    let (before, behind) = order.split_at_mut(half);
-    sort(before, members);
-    sort(behind, members);
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::frame::{Frame, Start};
     use super::super::lanes::Portable;
     #[cfg(target_arch = "x86_64")]
     use super::super::simd::Isa;
     use super::*;
     use crate::geometry::tests::Random;
+    use crate::ray::{Aabb, Ray};
+    use glam::Vec3;
 
-    #[test]
-    fn eight_in_a_row_are_near_one_another() {
-        let mut random = Random::new(31);
-        for count in [1_usize, 8, 9, 20, 64, 65, 130, 1000] {
-            let members: Vec<Bounds> = (0..count).map(|_| [random.in_cube().to_array(); 2]).collect();
-            let mut order: Vec<u64> = (0..count as u64).collect();
-            sort(&mut order, &members);
-            let places: Vec<u32> = order.iter().map(|&place| place as u32).collect();
-            let mut all = places.clone();
-            all.sort_unstable();
-            assert!(all.iter().copied().eq(0..count as u32), "all of {count} are there, once");
-            let spread = |places: &[u32]| -> f32 {
-                let of = |&i: &u32| glam::Vec3::from_array(members[i as usize][0]);
-                let most = places.iter().map(of).fold(glam::Vec3::MIN, glam::Vec3::max);
-                let least = places.iter().map(of).fold(glam::Vec3::MAX, glam::Vec3::min);
-                (most - least).element_sum()
-            };
-            if count >= 64 {
-                let sorted: f32 = places.chunks(8).map(spread).sum();
-                let given: f32 = (0..count as u32).collect::<Vec<_>>().chunks(8).map(spread).sum();
-                assert!(sorted < 0.75 * given, "{count}: {sorted} of {given}");
-            }
-        }
+    /// The least box of f32 around a point known to f64: flat where it is one.
+    fn around(point: glam::DVec3) -> Bounds {
+        let end = |x: f64, sign: f32| {
+            let near = (x as f32) * sign;
+            sign * if f64::from(near) < x * f64::from(sign) { near.next_up() } else { near }
+        };
+        [-1.0, 1.0].map(|sign| point.to_array().map(|x| end(x, sign)))
     }
 
     #[test]
-    fn boxes_that_a_ray_meets_are_found_and_few_others() {
+    fn boxes_around_points_of_a_ray_are_met() {
         let mut random = Random::new(32);
-        let (mut met, mut others) = (0, 0);
-        for round in 0..20_000 {
+        let frame = Frame::new(&Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE });
+        let (mut met, mut others, mut rays) = (0, 0, 0);
+        for round in 0..40_000 {
             let mut direction = random.in_cube();
             if round % 3 == 0 {
-                direction[round % 7 % 3] *= 1e-9;
+                direction[round % 7 % 3] *= [0.0, 1e-9, 1e-30][round % 5 % 3];
             }
-            direction *= 0.9 / direction.abs().max_element();
-            let s = random.unit() * 2.0;
-            let size = direction.abs().map(|d| d.max(super::super::frame::LEAST));
-            let sign = direction.map(|d| 1.0_f32.copysign(d));
-            // A point of the ray, rounded; boxes are around it, or begin at it, or are elsewhere.
-            let target = random.in_cube();
-            let origin = target - direction * s;
-            let mut boxes = Boxes::new(7);
+            let distance = [0.0, 0.5, 3.0, 60.0, 1e5][random.next() as usize % 5];
+            let origin = random.in_cube() * 0.9 - direction * distance;
+            let begin = if round % 11 == 0 { f32::NEG_INFINITY } else { 0.0 };
+            let ray = Ray::new(origin, direction).with_range(begin, f32::INFINITY);
+            let Some(ray) = ray.intake() else { continue };
+            let Start::Inside(entry) = frame.enter(&ray, None) else { continue };
+            rays += 1;
+            let mut boxes = Boxes::NONE;
             let mut expected = 0;
             for lane in 0..8 {
-                let spread = random.in_cube().abs() * [0.0, 1e-6, 0.1][lane % 3];
-                let aside = if lane > 5 { random.in_cube() * 3.0 } else { glam::Vec3::ZERO };
-                let (low, high) = if round % 2 == 0 { (target, target + spread) } else { (target - spread, target) };
-                boxes.add(lane, &[(low + aside).to_array(), (high + aside).to_array()]);
-                expected |= u32::from(aside == glam::Vec3::ZERO) << lane;
+                let t = f64::from(distance) + f64::from(random.unit()) * if begin < 0.0 { -1.0 } else { 1.0 };
+                let point = ray.at(t);
+                if lane < 6 && point.abs().max_element() <= 1.0 && distance < 1e4 {
+                    expected |= 1 << lane;
+                    boxes.set(lane, &around(point));
+                } else {
+                    boxes.set(lane, &around(point + random.in_cube().as_dvec3() * 0.5));
+                    others += 1;
+                }
             }
-            let ray = [origin, size.map(|x| 1.0 / x), sign].map(|v| v.to_array());
-            let seen = BoxRay::<Portable>::new(&ray[0], &ray[1], &ray[2]);
-            let (enters, found) = boxes.look(&seen, 4.0);
-            assert_eq!(found & expected, expected, "from {origin} along {direction} at {s}");
-            (met, others) = (met + (found & 0xc0).count_ones(), others + 2);
-            // Nothing begins before the ray, or behind its end.
-            assert_eq!(boxes.look(&seen, -0.1).1, 0);
+            // The part is as large as the world.
+            assert_eq!(frame.scale, 1.0 / 2.0);
+            for row in boxes.planes.iter_mut().flatten() {
+                row.0 = row.0.map(|x| 0.5 * x);
+            }
+            let seen = BoxRay::<Portable>::new(&entry);
+            let (enters, found) = boxes.look(&seen, entry.sight.end[1]);
+            assert_eq!(found & expected, expected, "{ray:?}");
+            met += (found & !expected).count_ones();
             #[cfg(target_arch = "x86_64")]
             if let Isa::Avx2(present) = Isa::detect() {
-                let there = super::super::simd::avx2::boxes(present, &boxes, &ray, 4.0);
+                let there = super::super::simd::avx2::boxes(present, &boxes, &entry, entry.sight.end[1]);
                 assert_eq!(there, (enters.row(), found));
             }
         }
-        assert!(10 * met < 3 * others, "{met} of {others} boxes elsewhere are met");
+        assert!(rays > 10_000 && 10 * met < others, "{met} of {others} boxes elsewhere are met by {rays} rays");
+    }
+
+    #[test]
+    fn a_flat_box_is_not_met_by_a_ray_that_leaves_it() {
+        let mut random = Random::new(33);
+        let frame = Frame::new(&Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE });
+        for _ in 0..2000 {
+            let floor = random.in_cube().y * 0.5;
+            let origin = Vec3::new(0.3, floor.next_up(), 0.1);
+            let direction = random.in_cube() + Vec3::Y * 1.001;
+            let ray = Ray::new(origin, direction).intake().expect("a ray");
+            let Start::Inside(entry) = frame.enter(&ray, None) else { panic!("{ray:?} begins inside") };
+            let mut boxes = Boxes::NONE;
+            for lane in 0..8 {
+                let height = 0.5 * if lane == 7 { origin.y } else { floor };
+                boxes.set(lane, &[[-0.5, height, -0.5], [0.5, height, 0.5]]);
+            }
+            let (_, met) = boxes.look(&BoxRay::<Portable>::new(&entry), f32::INFINITY);
+            assert_eq!(met, 0x80, "only the one that the ray begins on: {ray:?}");
+        }
     }
 }

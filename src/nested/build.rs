@@ -5,6 +5,7 @@
 
 use super::boxes::Boxes;
 use super::cut::{Cutter, Fill, Piece};
+use super::fill;
 use super::frame::Frame;
 use super::limit::Limit;
 use super::options::Settings;
@@ -55,10 +56,9 @@ impl<Src: Source> Plan<'_, Src> {
     pub fn build(&self, part: &mut Part<Src::Pack>, shop: &mut Shop<Src::Local>) -> Result<()> {
         part.frame = self.frame;
         let Part { top, .. } = part;
-        top.half = self.frame.half;
-        top.cells = resolution(top.half, self.settings.density * self.members.len() as f64);
-        top.cell = [0, 1, 2].map(|a| 2.0 * top.half[a] / top.cells[a] as f32);
-        top.per_unit = [0, 1, 2].map(|a| top.cells[a] as f32 / (2.0 * top.half[a]));
+        let half = self.frame.half;
+        let density = self.settings.density.unwrap_or_else(|| fill::density(&self.frame, self.boxes, self.members));
+        top.cut(half, fill::resolution(half, density * self.members.len() as f64));
         self.place(top, shop)?;
         let occupied = shop.start.windows(2).map(|pair| pair[0] < pair[1]);
         free_cubes(top.cells.map(|n| n as usize), occupied, &mut top.free);
@@ -78,8 +78,13 @@ impl<Src: Source> Plan<'_, Src> {
     /// Lists of the primitives that each cell of the grid meets, in `shop.start` and `shop.list`.
     fn place(&self, top: &Top, shop: &mut Shop<Src::Local>) -> Result<()> {
         const LEAST: usize = 2048;
+        // Skip bytes for eight octants, a slot, and where its list begins.
+        const CELL: u64 = 8 + size_of::<Slot>() as u64 + 4;
         // With four bytes for each reference, they can be counted in 32 bits.
         let mut limit = Limit::new(self.memory.min(16 << 30));
+        if !limit.take(CELL * top.cells.iter().map(|&n| u64::from(n)).product::<u64>()) {
+            return limit.check(&top.cells);
+        }
         let ranges: Vec<Range<usize>> = parallel::chunks(self.members.len(), LEAST).collect();
         shop.placed.resize_with(ranges.len(), Placed::default);
         parallel::each(shop.placed.iter_mut().zip(ranges), |(placed, range)| {
@@ -114,7 +119,14 @@ impl<Src: Source> Plan<'_, Src> {
         pieces.resize_with(work.len(), Piece::default);
 
         let mut limit = Limit::new(self.memory.min(1 << 40));
-        let cutter = Cutter { source: self.source, settings: &self.settings, isa: self.isa, limit: &limit };
+        let cutter = Cutter {
+            source: self.source,
+            settings: &self.settings,
+            frame: &self.frame,
+            boxes: self.boxes,
+            isa: self.isa,
+            limit: &limit,
+        };
         let [nx, ny, _] = cells.map(|n| n as usize);
         parallel::each(pieces.iter_mut().zip(work), |(piece, (first, slots))| {
             piece.clear(first..first + slots.len());
@@ -123,7 +135,7 @@ impl<Src: Source> Plan<'_, Src> {
                 if !list.is_empty() {
                     let at = [i % nx, i / nx % ny, i / (nx * ny)];
                     let low = [0, 1, 2].map(|a| at[a] as f32 * cell[a] - half[a]);
-                    *slot = cutter.top(list, low, *cell, piece);
+                    *slot = cutter.top(list, low, cell.to_array(), piece);
                 }
             }
         });
@@ -156,20 +168,16 @@ fn join<K, L>(part: &mut Part<K>, pieces: &mut [Piece<L>]) {
         };
         nodes.extend(piece.nodes.iter().map(|node| Node { base: node.base + first_slot, ..*node }));
         slots.extend(piece.slots.iter().map(moved));
-        boxes.extend(piece.boxes.iter().map(|boxes| Boxes { first: boxes.first + packs, ..*boxes }));
+        boxes.extend(piece.boxes.iter().map(|boxes| Boxes {
+            first: boxes.first.wrapping_add(packs),
+            below: boxes.below + first_box,
+            ..*boxes
+        }));
         for slot in top.slots[piece.cells.clone()].iter_mut().filter(|slot| slot.count > 0) {
             *slot = moved(slot);
         }
         packs += piece.packs() as u32;
     }
-}
-
-/// Cubic cells, `wanted` of them; an axis shorter than one gets one.
-fn resolution(half: [f32; 3], wanted: f64) -> [u32; 3] {
-    const MOST: f64 = 512.0;
-    let volume: f64 = half.iter().map(|&h| 2.0 * f64::from(h)).product();
-    let edge = (volume / wanted.max(1.0)).cbrt();
-    half.map(|h| (2.0 * f64::from(h) / edge).round().clamp(1.0, MOST) as u32)
 }
 
 /// Running totals.
@@ -183,7 +191,7 @@ fn ends(lengths: impl Iterator<Item = usize>) -> impl Iterator<Item = usize> {
 #[cfg(test)]
 mod tests {
     use super::super::shape::AnyPart;
-    use super::super::{Nested, NestedOptions, Quality};
+    use super::super::{Below, Nested, NestedOptions, Quality};
     use crate::accel::{Accel, BruteForce};
     use crate::geometry::tests::Random;
     use crate::geometry::{Geometry, Mixed, Sphere, Triangle};
@@ -215,8 +223,10 @@ mod tests {
     #[cfg(feature = "parallel")]
     fn threads_change_nothing() {
         let scene = scene(0.0);
-        for quality in [Quality::Fast, Quality::Default, Quality::Best] {
-            let options = NestedOptions { quality, ..NestedOptions::default() };
+        let of = |quality, below| NestedOptions { quality, below, ..NestedOptions::default() };
+        for options in
+            [of(Quality::Fast, Below::Boxes), of(Quality::Default, Below::Boxes), of(Quality::Best, Below::Nodes)]
+        {
             let built = |threads| {
                 let nested = on(threads, || Nested::build(&scene, &options).expect("enough memory"));
                 assert!(nested.describe().contains("100 copies"), "{}", nested.describe());
@@ -225,7 +235,7 @@ mod tests {
             let alone = built(1);
             assert!(alone.len() > 1_000_000, "{}", alone.len());
             for threads in [2, 7] {
-                assert!(built(threads) == alone, "{quality:?} on {threads} threads");
+                assert!(built(threads) == alone, "{options:?} on {threads} threads");
             }
         }
     }
@@ -247,13 +257,13 @@ mod tests {
 
     #[test]
     fn a_rebuild_is_a_fresh_build_in_the_same_place() {
-        for quality in [Quality::Fast, Quality::Default] {
-            let options = NestedOptions { quality, ..NestedOptions::default() };
+        for below in [Below::Boxes, Below::Nodes] {
+            let options = NestedOptions { below, ..NestedOptions::default() };
             let mut nested = Nested::build(scene(0.0), &options).expect("enough memory");
             for moment in [1.0, 2.0, 0.0, 1.0, 2.0, 0.0] {
                 nested.rebuild(scene(moment)).expect("enough memory");
                 let fresh = Nested::build(scene(moment), &options).expect("enough memory");
-                assert!(format!("{:?}", nested.shape) == format!("{:?}", fresh.shape), "{quality:?} at {moment}");
+                assert!(format!("{:?}", nested.shape) == format!("{:?}", fresh.shape), "{below:?} at {moment}");
                 assert_eq!(nested.describe(), fresh.describe());
                 assert_eq!(nested.bounds(), fresh.bounds());
             }
@@ -261,7 +271,7 @@ mod tests {
             let before = places(&nested);
             nested.rebuild(scene(1.0)).expect("enough memory");
             nested.rebuild(scene(0.0)).expect("enough memory");
-            assert_eq!(places(&nested), before, "{quality:?}");
+            assert_eq!(places(&nested), before, "{below:?}");
         }
     }
 

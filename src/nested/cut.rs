@@ -1,15 +1,17 @@
 //! Cells of the grid on top cut into nodes, and their primitives listed at the leaves.
 
-use super::boxes::{self, Bounds, Boxes};
-use super::frame::PADDING;
+use super::boxes::Boxes;
+use super::frame::{Frame, PADDING};
 use super::lanes::Lanes;
 use super::limit::Limit;
-use super::options::Settings;
+use super::options::{Nodes, Settings};
 use super::raster::Window;
 use super::shape::{Node, Slot};
 use super::simd::{Isa, Work};
 use super::source::Source;
+use super::tree::{Grower, Member};
 use crate::geometry::NO_PRIM;
+use crate::ray::Aabb;
 use std::ops::Range;
 
 /// Cells with a shorter edge are not made, in a part's coordinates: eight paddings.
@@ -32,9 +34,8 @@ pub(super) struct Piece<L> {
     lists: Vec<u32>,
     /// For each primitive of the list that is being cut, the cells that it meets.
     masks: Vec<u64>,
-    /// What those of a leaf have in its cell, and their places in that list, sorted.
-    members: Vec<Bounds>,
-    order: Vec<u64>,
+    /// What those of a leaf have in its cell.
+    members: Vec<Member>,
 }
 
 impl<L> Default for Piece<L> {
@@ -49,7 +50,6 @@ impl<L> Default for Piece<L> {
             lists: Vec::new(),
             masks: Vec::new(),
             members: Vec::new(),
-            order: Vec::new(),
         }
     }
 }
@@ -74,6 +74,8 @@ impl<L> Piece<L> {
 pub(super) struct Cutter<'a, Src: Source> {
     pub source: &'a Src,
     pub settings: &'a Settings,
+    pub frame: &'a Frame,
+    pub boxes: &'a [Aabb],
     pub isa: Isa,
     pub limit: &'a Limit,
 }
@@ -81,8 +83,8 @@ pub(super) struct Cutter<'a, Src: Source> {
 impl<Src: Source> Cutter<'_, Src> {
     /// What becomes of the cell of the grid on top that begins at `low` and meets `prims`.
     pub fn top(&self, prims: &[u32], low: [f32; 3], size: [f32; 3], piece: &mut Piece<Src::Local>) -> Slot {
-        if prims.len() <= 8 * FEW {
-            return self.small_leaf(piece, prims.len(), |_, i| prims[i]);
+        if prims.len() <= 8 * FEW || self.settings.nodes.is_none() {
+            return self.leaf(piece, prims.len(), |_, i| prims[i], low, size);
         }
         self.source.gather(prims, &mut piece.locals);
         piece.lists.clear();
@@ -91,8 +93,9 @@ impl<Src: Source> Cutter<'_, Src> {
     }
 
     /// A node costs as much as some packs: fewer are tested at once.
-    fn may_cut(&self, primitives: usize, size: &[f32; 3]) -> bool {
-        cost(primitives) > self.settings.node_cost && size.iter().all(|&edge| 0.25 * edge >= LEAST_CELL)
+    fn may_cut(&self, primitives: usize, size: &[f32; 3]) -> Option<Nodes> {
+        let worth = |nodes: &Nodes| cost(primitives) > nodes.cost && size.iter().all(|&edge| 0.25 * edge >= LEAST_CELL);
+        self.settings.nodes.filter(worth)
     }
 
     /// Cuts the cell that begins at `low` and meets the primitives of `piece.lists[range]`, if that is worth it.
@@ -105,12 +108,8 @@ impl<Src: Source> Cutter<'_, Src> {
         piece: &mut Piece<Src::Local>,
     ) -> Slot {
         let len = range.len();
-        if len <= 8 * FEW {
-            return self.small_leaf(piece, len, |piece, i| prims[piece.lists[range.start + i] as usize]);
-        }
-        if !self.may_cut(len, &size) {
-            return self.leaf(piece, prims, range, low, size);
-        }
+        let prim = |lists: &[u32], i| prims[lists[range.start + i] as usize];
+        let Some(nodes) = self.may_cut(len, &size) else { return self.leaf(piece, len, prim, low, size) };
         let window = Window::new(low, size.map(|x| 0.25 * x));
         let Piece { locals, lists, masks, .. } = piece;
         let counts =
@@ -118,8 +117,8 @@ impl<Src: Source> Cutter<'_, Src> {
         // The chance that a ray through a box meets a convex part of it is the quotient of their surfaces: a sixteenth.
         let below: f32 = counts.iter().map(|&n| cost(n as usize)).sum();
         let growth = counts.iter().map(|n| n.div_ceil(8)).sum::<u32>() as f32 - len.div_ceil(8) as f32;
-        if self.settings.node_cost + below / 16.0 + self.settings.growth * growth >= cost(len) {
-            return self.leaf(piece, prims, range, low, size);
+        if nodes.cost + below / 16.0 + nodes.growth * growth >= cost(len) {
+            return self.leaf(piece, len, prim, low, size);
         }
         let begin = lists.len();
         let mut next = [0_usize; 64];
@@ -157,62 +156,42 @@ impl<Src: Source> Cutter<'_, Src> {
         Slot::node(index as u32)
     }
 
-    /// A leaf of `len` primitives in at most [`FEW`] packs.
-    fn small_leaf(
-        &self,
-        piece: &mut Piece<Src::Local>,
-        len: usize,
-        prim: impl Fn(&Piece<Src::Local>, usize) -> u32,
-    ) -> Slot {
-        let (first, count) = (piece.packs(), len.div_ceil(8));
-        if !self.limit.take((count * (32 + size_of::<Src::Pack>())) as u64) {
-            return Slot::EMPTY;
-        }
-        for i in 0..len {
-            let prim = prim(piece, i);
-            piece.lanes.push(prim);
-        }
-        piece.lanes.resize(8 * (first + count), NO_PRIM);
-        Slot { first: first as u32, count: count as u32 }
-    }
-
-    /// A leaf of the primitives of `piece.lists[range]` in the cell that begins at `low`, with boxes around its packs.
+    /// A leaf of `len` primitives, which are found with `piece.lists`, in the cell that begins at `low`: a pack, or trees of boxes.
     fn leaf(
         &self,
         piece: &mut Piece<Src::Local>,
-        prims: &[u32],
-        range: Range<usize>,
+        len: usize,
+        prim: impl Fn(&[u32], usize) -> u32,
         low: [f32; 3],
         size: [f32; 3],
     ) -> Slot {
-        let (first, count) = (piece.packs(), range.len().div_ceil(8));
-        let groups = count.div_ceil(8);
-        if !self.limit.take((count * (32 + size_of::<Src::Pack>()) + groups * size_of::<Boxes>()) as u64) {
+        const PACK: usize = 8 * size_of::<u32>();
+        if self.limit.exceeded() {
             return Slot::EMPTY;
         }
-        let Piece { locals, lists, lanes, boxes, members, order, .. } = piece;
-        let list = &lists[range];
-        members.clear();
-        members.extend(list.iter().map(|&place| {
-            let [mut least, mut greatest] = self.source.bounds(&locals[place as usize]);
-            for a in 0..3 {
-                least[a] = least[a].max(low[a] - PADDING);
-                greatest[a] = greatest[a].min(low[a] + size[a] + PADDING);
-            }
-            [least, greatest]
-        }));
-        order.clear();
-        order.extend(0..list.len() as u64);
-        boxes::sort(order, members);
-        let places = || order.iter().map(|&place| place as u32 as usize);
-        let slot = Slot::boxed(boxes.len() as u32, groups as u32);
-        boxes.extend((0..groups).map(|group| Boxes::new((first + 8 * group) as u32)));
-        for (i, place) in places().enumerate() {
-            boxes[slot.first as usize + i / 64].add(i / 8, &members[place]);
-        }
-        lanes.extend(places().map(|place| prims[list[place] as usize]));
-        lanes.resize(8 * (first + count), NO_PRIM);
-        slot
+        let Piece { lists, lanes, boxes, members, .. } = piece;
+        let [packs, groups] = [lanes.len() / 8, boxes.len()];
+        let prims = (0..len).map(|i| prim(lists, i));
+        let slot = if len <= 8 * FEW {
+            lanes.extend(prims);
+            lanes.resize(8 * (packs + len.div_ceil(8)), NO_PRIM);
+            Slot { first: packs as u32, count: len.div_ceil(8) as u32 }
+        } else if self.limit.lend((len * size_of::<Member>()) as u64) {
+            let high = [0, 1, 2].map(|a| low[a] + size[a]);
+            let (low, high) = (self.frame.outwards(low, -1.0), self.frame.outwards(high, 1.0));
+            members.clear();
+            members.extend(prims.map(|prim| {
+                let [from, to] = self.frame.bounds(&self.boxes[prim as usize], Src::MARGIN);
+                Member::new(prim, from.max(low), to.min(high))
+            }));
+            let [first, roots] = Grower { boxes, lanes, halved: self.settings.halved }.plant(members);
+            Slot::boxed(first, roots)
+        } else {
+            Slot::EMPTY
+        };
+        let bytes = (lanes.len() / 8 - packs) * (PACK + size_of::<Src::Pack>());
+        let bytes = bytes + (boxes.len() - groups) * size_of::<Boxes>();
+        if self.limit.take(bytes as u64) { slot } else { Slot::EMPTY }
     }
 }
 
@@ -220,7 +199,7 @@ impl<Src: Source> Cutter<'_, Src> {
 const FEW: usize = 1;
 
 /// What a leaf of so many primitives costs, in packs: a group of boxes as much as half a pack, and of the packs behind them two fifths are
-/// tested.
+/// tested. Too much for large leaves of a surface, so that more is cut than pays, but right for what overlaps.
 fn cost(primitives: usize) -> f32 {
     let packs = primitives.div_ceil(8);
     if packs <= FEW { packs as f32 } else { 0.5 * packs.div_ceil(8) as f32 + 0.4 * packs as f32 }

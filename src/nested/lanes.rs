@@ -1,6 +1,7 @@
 //! Eight numbers at a time: what the tests of packs and nodes are written in, once for all processors.
 
 use super::simd::Work;
+use glam::Vec3A;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// One f32 for each of eight lanes, aligned for processors that read it at once.
@@ -115,8 +116,9 @@ impl<S: Lanes> Vector<S> {
 
     /// The same vector in all lanes.
     #[inline(always)]
-    pub fn splat(v: &[f32; 3]) -> Self {
-        Self { x: S::splat(v[0]), y: S::splat(v[1]), z: S::splat(v[2]) }
+    pub fn splat(v: Vec3A) -> Self {
+        let [x, y, z] = v.to_array();
+        Self { x: S::splat(x), y: S::splat(y), z: S::splat(z) }
     }
 
     /// The sum of the products of components.

@@ -1,30 +1,35 @@
-//! The fast one: a coarse grid with skip bytes over trees of 4 x 4 x 4 cells, with packs of eight at the leaves.
+//! The fast one: a coarse grid with skip bytes over trees of boxes, eight at a time, or of 4 x 4 x 4 cells, with packs of eight
+//! primitives at the leaves.
 //!
 //! ```text
 //! Nested
-//!  +- part: the large ones      a few primitives as long as the box: packs that every ray tests first        split.rs
+//!  +- part: the large ones      a few primitives as long as the box: every ray tests their packs first        split.rs
 //!  +- part: a dense object      its own frame, -1 to 1 along its longest axis                                 frame.rs
-//!  |    +- grid on top          coarse; a skip byte for each cell and octant of directions                    build.rs
-//!  |         +- empty           the byte is the edge of an empty cube: the ray leaps to its end
+//!  |    +- grid on top          as fine as the primitives want it; a skip byte for each cell and octant       fill.rs, build.rs
+//!  |         +- empty           the byte is the edge of an empty cube: the ray leaps to its end               step.rs
 //!  |         +- leaf            packs of eight primitives, tested at once                       triangles.rs, spheres.rs
-//!  |         |    +- boxes      around eight packs each: which of them does the ray meet?                     boxes.rs
-//!  |         +- node            64 cells, a mask of those that are filled                                     shape.rs
+//!  |         |    +- boxes      in trees: which of eight packs or groups does the ray meet?             boxes.rs, tree.rs
+//!  |         +- node            64 cells, a mask of those that are filled: an option                            cut.rs
 //!  |              +- a leaf or a node, for each filled cell
 //!  +- part: the rest            another grid
 //! ```
 //!
-//! **A ray** (`walk.rs`) is moved to where it enters the part, in f64, and continues in f32. On top (`step.rs`) it steps and leaps as in
-//! [`crate::grid`]. In a node the crossings of all planes are found at once, and from them the mask of the cells that the ray
+//! **A ray** (`walk.rs`) is moved to where it enters the part. On top it steps and leaps as in [`crate::grid`]. At a leaf, eight boxes
+//! at a time say which packs and which groups of boxes are met: packs are tested at once, groups nearest first. In a node the crossings
+//! of all planes are found at once, and from them the mask of the cells that the ray
 //! crosses; what that has in common with the filled cells is visited from the lowest bit on, which, with the node seen along
-//! the ray's octant, is front to back. At a leaf, eight boxes at a time say which packs are met. A pack rejects what is certainly missed; a
+//! the ray's octant, is front to back. A pack rejects what is certainly missed; a
 //! hit that is certain and before all others is kept with its bounds; what is left open is judged in f64 from the pack, as is the
 //! parameter of the winner at the end, and what that leaves open goes to the geometry's own test. So the answers are those of every
 //! other accelerator, to the bit. Counted as steps are cells, nodes and groups of eight boxes.
 //!
+//! **What the cells are for.** Trees of boxes alone, one for each part, take longer, above all in large scenes; so do fine grids with
+//! small leaves where primitives lie on surfaces, and nodes (`density` and `below` of [`NestedOptions`]; docs/bench.md has numbers).
+//!
 //! **Why nothing is lost.** Cells tile the ray: each `s` from its begin to its end lies, by comparisons of the computed crossings
 //! alone, in the interval of some cell that is visited, or of an empty cube; crossings of one plane are computed
 //! alike for the cells on both its sides, and the outermost cells of a node have no outer planes. The ray at that `s` is within
-//! rounding of that cell (`frame`: 4 e for the ray, 14 e for a crossing of the grid's, 6 e for one of a node's), and
+//! rounding of that cell (`frame`: 8 e for the ray, 14 e for a crossing of the grid's, 6 e for one of a node's), and
 //! primitives are listed in every cell within the padding, 64 e. So a hit is found when the cell of its `s` is visited,
 //! and a walk may end where the next cell begins beyond the winner.
 //!
@@ -37,6 +42,7 @@ mod build;
 mod crowd;
 mod cut;
 mod exact;
+mod fill;
 mod frame;
 mod lanes;
 mod limit;
@@ -51,10 +57,11 @@ mod source;
 mod spheres;
 mod split;
 mod step;
+mod tree;
 mod triangles;
 mod walk;
 
-pub use options::{Instructions, NestedOptions, Quality};
+pub use options::{Below, Instructions, NestedOptions, Quality};
 
 use crate::accel::{Accel, Counts, Hit, LeftOut, Memory, scan_all, scan_any};
 use crate::error::Result;
@@ -125,6 +132,25 @@ impl<G: Geometry> Nested<G> {
         result
     }
 
+    /// As [`Accel::closest_hit`], with the test of triangles as f32 has it, after Möller and Trumbore: for measuring what exact answers cost
+    /// (`cargo bench --bench nested_exactness`). Rays through edges may miss or hit twice, parameters are off by some roundings, and of
+    /// two that are as near either may win.
+    #[must_use]
+    pub fn closest_hit_rounded(&self, ray: &Ray) -> Option<Hit> {
+        let ray = ray.intake()?;
+        let mut tests = Tests::new(&self.geometry, &ray);
+        self.isa.trace::<false>(&self.shape, &ray, false, &mut tests);
+        tests.best.prim().map(|prim| Hit { t: tests.best.t() as f32, prim })
+    }
+
+    /// As [`Accel::any_hit`], with the test of [`Nested::closest_hit_rounded`].
+    #[must_use]
+    pub fn any_hit_rounded(&self, ray: &Ray) -> bool {
+        let Some(ray) = ray.intake() else { return false };
+        let mut tests = Tests::new(&self.geometry, &ray);
+        self.isa.trace::<false>(&self.shape, &ray, true, &mut tests) == Outcome::Hit
+    }
+
     #[inline]
     fn closest(&self, ray: &Ray, trace: impl FnOnce(&mut Tests<G>) -> Outcome) -> Option<Hit> {
         let mut tests = Tests::new(&self.geometry, ray);
@@ -149,12 +175,12 @@ impl<G: Geometry> Nested<G> {
 impl<G: Geometry> Accel for Nested<G> {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         let ray = ray.intake()?;
-        self.closest(&ray, |tests| self.isa.trace(&self.shape, &ray, false, tests))
+        self.closest(&ray, |tests| self.isa.trace::<true>(&self.shape, &ray, false, tests))
     }
 
     fn any_hit(&self, ray: &Ray) -> bool {
         let Some(ray) = ray.intake() else { return false };
-        self.any(&ray, |tests| self.isa.trace(&self.shape, &ray, true, tests))
+        self.any(&ray, |tests| self.isa.trace::<true>(&self.shape, &ray, true, tests))
     }
 
     // Counted in portable code: one loop less to compile.

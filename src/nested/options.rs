@@ -36,6 +36,22 @@ impl Instructions {
         [("detected", Instructions::Detected), ("portable", Instructions::Portable)];
 }
 
+/// What is made of the cells of the grid on top that hold more than a pack.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Below {
+    /// Trees of boxes, eight to a group; the grid on top is as fine as suits them.
+    #[default]
+    Boxes,
+    /// Nodes of 4 x 4 x 4 cells, where these are worth their time and memory, and boxes in their cells. Rays take up to twice as long: see
+    /// docs/bench.md.
+    Nodes,
+}
+
+impl Below {
+    /// Names as in specifications, in the order of the variants.
+    pub const NAMES: [(&'static str, Below); 2] = [("boxes", Below::Boxes), ("nodes", Below::Nodes)];
+}
+
 /// How to build a [`super::Nested`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NestedOptions {
@@ -45,40 +61,62 @@ pub struct NestedOptions {
     pub memory: u64,
     /// Which instructions it is built and traced with.
     pub instructions: Instructions,
+    /// What is below the grid on top.
+    pub below: Below,
+    /// Cells of the grid on top for each primitive, 0 for one in all; without it, it depends on how the primitives fill the box.
+    pub density: Option<f64>,
 }
 
 impl Default for NestedOptions {
     /// [`Quality::Default`], a quarter of the machine's memory but at most 8 GiB.
     fn default() -> Self {
-        Self { quality: Quality::Default, memory: default_budget(), instructions: Instructions::Detected }
+        Self {
+            quality: Quality::Default,
+            memory: default_budget(),
+            instructions: Instructions::Detected,
+            below: Below::Boxes,
+            density: None,
+        }
     }
 }
 
-/// The numbers behind a quality.
-///
-/// They were chosen by the time of rays through nine scenes, seven of triangles and two of spheres, out of 0.005 to 0.4 cells for each
-/// primitive, nodes as dear as 3 to 40 packs and 0.05 to 1 for growth. From 0.05 cells down times are within a few hundredths of one
-/// another; finer grids and smaller leaves take up to a fifth longer, and more memory.
+/// The numbers behind the options.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Settings {
-    /// Cells of the grid on top for each primitive.
-    pub density: f64,
+    /// Cells of the grid on top for each primitive, if it is not left to how these [fill](super::fill) the box.
+    pub density: Option<f64>,
+    /// Whether cells are cut.
+    pub nodes: Option<Nodes>,
+    /// Lists of boxes of at most so many are split in halves, longer ones where it is best.
+    pub halved: usize,
+}
+
+/// When a cell is cut into a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Nodes {
     /// How many packs may be tested in the time that a node takes.
-    pub node_cost: f32,
+    pub cost: f32,
     /// How many packs may be tested for each pack more that is kept.
     pub growth: f32,
 }
 
 impl Settings {
     /// One cell that is never cut: for primitives that are tested without a grid.
-    pub const LOOSE: Settings = Settings { density: 0.0, node_cost: f32::INFINITY, growth: 0.0 };
+    pub const LOOSE: Settings = Settings { density: Some(0.0), nodes: None, halved: 16 };
 
     /// For any kind of primitives.
-    pub fn of(quality: Quality) -> Self {
-        match quality {
-            Quality::Fast => Self { density: 0.03, node_cost: 40.0, growth: 1.0 },
-            Quality::Default => Self { density: 0.03, node_cost: 14.0, growth: 0.6 },
-            Quality::Best => Self { density: 0.03, node_cost: 7.0, growth: 0.6 },
+    ///
+    /// The numbers of nodes were chosen by the time of rays through nine scenes, out of 0.005 to 0.4 cells for each primitive, nodes as dear
+    /// as 3 to 40 packs and 0.05 to 1 for growth.
+    pub fn of(options: &NestedOptions) -> Self {
+        let (halved, nodes) = match options.quality {
+            Quality::Fast => (usize::MAX, Nodes { cost: 40.0, growth: 1.0 }),
+            Quality::Default => (16, Nodes { cost: 14.0, growth: 0.6 }),
+            Quality::Best => (8, Nodes { cost: 7.0, growth: 0.6 }),
+        };
+        match options.below {
+            Below::Boxes => Self { density: options.density, nodes: None, halved },
+            Below::Nodes => Self { density: Some(options.density.unwrap_or(0.03)), nodes: Some(nodes), halved },
         }
     }
 }

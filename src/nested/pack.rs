@@ -16,7 +16,7 @@ pub(super) struct PackRay<S> {
     pub least: S,
     /// At or beyond it: what is met beyond this is in the ray's range for certain.
     pub begin: S,
-    /// The inverse squared length of the direction.
+    /// The inverse squared length of the direction, for packs that say they want it.
     pub inverse_square: S,
     /// 0 if the ray has no part before its origin, else minus infinity.
     pub ahead: S,
@@ -25,16 +25,15 @@ pub(super) struct PackRay<S> {
 impl<S: Lanes> PackRay<S> {
     /// Spreads the ray over lanes.
     #[inline(always)]
-    pub fn new(sight: &Sight) -> Self {
-        let [x, y, z] = sight.direction;
+    pub fn new<K: Pack>(sight: &Sight) -> Self {
         Self {
-            origin: Vector::splat(&sight.origin),
-            direction: Vector::splat(&sight.direction),
+            origin: Vector::splat(sight.origin),
+            direction: Vector::splat(sight.direction),
             fuzz: S::splat(sight.fuzz),
             least: S::splat(sight.begin[0]),
             begin: S::splat(sight.begin[1]),
-            inverse_square: S::splat(1.0 / (x * x + y * y + z * z)),
-            ahead: S::splat(if sight.begin[1] > 0.0 { 0.0 } else { f32::NEG_INFINITY }),
+            inverse_square: S::splat(if K::SQUARE { 1.0 / sight.direction.length_squared() } else { 1.0 }),
+            ahead: S::splat(if sight.begin[1] >= 0.0 { 0.0 } else { f32::NEG_INFINITY }),
         }
     }
 }
@@ -92,8 +91,17 @@ pub(super) trait Pack: Clone + Send + Sync {
     /// False if nothing is ever certain.
     const CERTAIN: bool = true;
 
+    /// True if it wants [`PackRay::inverse_square`].
+    const SQUARE: bool = false;
+
     /// Looks for hits at a `p` of at most `end`.
     fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S>;
+
+    /// Looks for hits as f32 has them: what survives is taken for a hit at `p`. To measure what exactness costs.
+    #[inline(always)]
+    fn look_rounded<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S> {
+        self.look(ray, end)
+    }
 
     /// Looks at one lane again, in f64 and for hits at a `p` of at most `end`.
     fn judge(&self, _lane: usize, _sight: &Sight, _end: f32) -> Verdict {

@@ -52,7 +52,7 @@ pub(super) fn build<G: Geometry>(
         }
         lists.each_ref().map(Vec::as_slice)
     };
-    let settings = Settings::of(options.quality);
+    let settings = Settings::of(options);
     let corners = |prims: &[u32], places: &mut [Triangle]| {
         for (place, &prim) in places.iter_mut().zip(prims) {
             *place = geometry.triangle(prim).unwrap_or(*place);

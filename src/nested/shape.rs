@@ -5,6 +5,7 @@ use super::frame::Frame;
 use super::pack::{List, Pack};
 use super::spheres::SpherePack;
 use super::triangles::TrianglePack;
+use glam::Vec3A;
 
 /// What a cell holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,12 +71,14 @@ pub(super) struct Node {
 /// that moves backwards it is the same grid with the signs of coordinates changed.
 #[derive(Clone, Debug)]
 pub(super) struct Top {
-    pub half: [f32; 3],
+    pub half: Vec3A,
     /// Edges of a cell.
-    pub cell: [f32; 3],
+    pub cell: Vec3A,
     /// Cells for each unit.
-    pub per_unit: [f32; 3],
+    pub per_unit: Vec3A,
     pub cells: [u32; 3],
+    /// These less one.
+    pub last: Vec3A,
     /// For each octant of directions a byte for each cell, x varying fastest: 0 if it holds something, else the edge of the
     /// cube of empty cells that begins with it and reaches along the octant; 255 means "255 or more". Bit `a` of an octant is
     /// set if rays move backwards along axis `a`.
@@ -87,17 +90,33 @@ pub(super) struct Top {
 impl Default for Top {
     /// No cell.
     fn default() -> Self {
-        let (half, cell, per_unit) = ([1.0; 3], [2.0; 3], [0.5; 3]);
-        Self { half, cell, per_unit, cells: [0; 3], free: Vec::new(), slots: Vec::new() }
+        Self {
+            half: Vec3A::ONE,
+            cell: Vec3A::ZERO,
+            per_unit: Vec3A::ZERO,
+            cells: [0; 3],
+            last: Vec3A::ZERO,
+            free: Vec::new(),
+            slots: Vec::new(),
+        }
     }
 }
 
 impl Top {
     /// A grid of one cell.
     pub fn one(half: [f32; 3], slot: Slot) -> Self {
-        let (cell, per_unit) = (half.map(|h| 2.0 * h), half.map(|h| 0.5 / h));
         let free = vec![if slot.count > 0 { 0 } else { u8::MAX }; 8];
-        Self { half, cell, per_unit, cells: [1; 3], free, slots: vec![slot] }
+        let mut top = Self { free, slots: vec![slot], ..Self::default() };
+        top.cut(half, [1; 3]);
+        top
+    }
+
+    /// Sets the sizes of cells.
+    pub fn cut(&mut self, half: [f32; 3], cells: [u32; 3]) {
+        let count = Vec3A::from(cells.map(|n| n as f32));
+        self.half = half.into();
+        (self.cell, self.per_unit) = (2.0 * self.half / count, count / (2.0 * self.half));
+        (self.cells, self.last) = (cells, count - 1.0);
     }
 
     /// Place of a cell in the grid, x varying fastest.

@@ -54,11 +54,11 @@ impl Isa {
 
     /// Traces `ray` through `shape`, see [`walk::trace`].
     #[inline]
-    pub fn trace(self, shape: &Shape, ray: &Ray, any: bool, exact: &mut dyn Exact) -> Outcome {
+    pub fn trace<const EXACT: bool>(self, shape: &Shape, ray: &Ray, any: bool, exact: &mut dyn Exact) -> Outcome {
         match self {
-            Isa::Portable => walk::trace::<Portable, ()>(shape, ray, any, exact, &mut ()),
+            Isa::Portable => walk::trace::<Portable, (), EXACT>(shape, ray, any, exact, &mut ()),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(present) => avx2::trace(present, shape, ray, any, exact),
+            Isa::Avx2(present) => avx2::trace::<EXACT>(present, shape, ray, any, exact),
         }
     }
 
@@ -82,7 +82,7 @@ pub(super) mod avx2 {
     #[cfg(test)]
     use crate::nested::{
         boxes::{BoxRay, Boxes},
-        frame::Sight,
+        frame::{Entry, Sight},
         pack::{Pack, PackRay},
     };
     use std::arch::x86_64::*;
@@ -107,14 +107,14 @@ pub(super) mod avx2 {
 
     /// [`walk::trace`] for this instruction set.
     #[inline]
-    pub fn trace(_: Present, shape: &Shape, ray: &Ray, any: bool, exact: &mut dyn Exact) -> Outcome {
+    pub fn trace<const EXACT: bool>(_: Present, shape: &Shape, ray: &Ray, any: bool, exact: &mut dyn Exact) -> Outcome {
         // SAFETY: there is a `Present`, so the processor has these instructions.
-        unsafe { trace_here(shape, ray, any, exact) }
+        unsafe { trace_here::<EXACT>(shape, ray, any, exact) }
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn trace_here(shape: &Shape, ray: &Ray, any: bool, exact: &mut dyn Exact) -> Outcome {
-        walk::trace::<Avx2, ()>(shape, ray, any, exact, &mut ())
+    fn trace_here<const EXACT: bool>(shape: &Shape, ray: &Ray, any: bool, exact: &mut dyn Exact) -> Outcome {
+        walk::trace::<Avx2, (), EXACT>(shape, ray, any, exact, &mut ())
     }
 
     /// [`Work::run`] for this instruction set.
@@ -134,23 +134,23 @@ pub(super) mod avx2 {
     pub fn look<K: Pack>(_: Present, pack: &K, sight: &Sight) -> (u32, u32, Row, Row) {
         #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
         fn here<K: Pack>(pack: &K, sight: &Sight) -> (u32, u32, Row, Row) {
-            let seen = pack.look(&PackRay::<Avx2>::new(sight), Avx2::splat(sight.end[1]));
+            let seen = pack.look(&PackRay::<Avx2>::new::<K>(sight), Avx2::splat(sight.end[1]));
             (seen.survivors, Avx2::bits(seen.certain) & seen.survivors, seen.p.row(), seen.bound.row())
         }
         // SAFETY: there is a `Present`, so the processor has these instructions.
         unsafe { here(pack, sight) }
     }
 
-    /// [`Boxes::look`] for a ray given by origin, inverse direction and signs, for the tests.
+    /// [`Boxes::look`], for the tests.
     #[cfg(test)]
-    pub fn boxes(_: Present, boxes: &Boxes, ray: &[[f32; 3]; 3], end: f32) -> (Row, u32) {
+    pub fn boxes(_: Present, boxes: &Boxes, entry: &Entry, end: f32) -> (Row, u32) {
         #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-        fn here(boxes: &Boxes, [origin, inverse, sign]: &[[f32; 3]; 3], end: f32) -> (Row, u32) {
-            let (enters, met) = boxes.look(&BoxRay::<Avx2>::new(origin, inverse, sign), end);
+        fn here(boxes: &Boxes, entry: &Entry, end: f32) -> (Row, u32) {
+            let (enters, met) = boxes.look(&BoxRay::<Avx2>::new(entry), end);
             (enters.row(), met)
         }
         // SAFETY: there is a `Present`, so the processor has these instructions.
-        unsafe { here(boxes, ray, end) }
+        unsafe { here(boxes, entry, end) }
     }
 
     /// [`Lanes::crossed`], for the tests.

@@ -18,11 +18,11 @@ pub(super) trait Source: Sync {
     /// A primitive in the part's coordinates.
     type Local: Copy + Send + Sync;
 
+    /// How far hits may lie outside of a primitive's box, in the part's coordinates.
+    const MARGIN: f64 = 0.0;
+
     /// Puts the primitives `prims` in the place of what is in `locals`.
     fn gather(&self, prims: &[u32], locals: &mut Vec<Self::Local>);
-
-    /// A box around a primitive.
-    fn bounds(&self, local: &Self::Local) -> Bounds;
 
     /// The cells of a window that a primitive meets, padded.
     fn cells<S: Lanes>(&self, local: &Self::Local, window: &Window) -> u64;
@@ -61,16 +61,6 @@ impl Source for Triangles<'_> {
                 locals.push(local);
             }
         }
-    }
-
-    #[inline]
-    fn bounds(&self, [a, b, c]: &Self::Local) -> Bounds {
-        let mut bounds = [*a, *a];
-        for axis in 0..3 {
-            bounds[0][axis] = a[axis].min(b[axis]).min(c[axis]);
-            bounds[1][axis] = a[axis].max(b[axis]).max(c[axis]);
-        }
-        bounds
     }
 
     #[inline(always)]
@@ -113,10 +103,6 @@ impl Source for Spheres<'_> {
         }
     }
 
-    fn bounds(&self, (centre, radius): &Self::Local) -> Bounds {
-        [centre.map(|x| x - radius), centre.map(|x| x + radius)]
-    }
-
     #[inline(always)]
     fn cells<S: Lanes>(&self, local: &Self::Local, window: &Window) -> u64 {
         window.sphere::<S>(&local.0, local.1)
@@ -149,7 +135,9 @@ pub(super) struct Others<'a> {
 impl Source for Others<'_> {
     type Pack = List;
     /// The index, and the box in the part's coordinates.
-    type Local = (u32, [[f32; 3]; 2]);
+    type Local = (u32, Bounds);
+    /// Nothing is known of how their hits are found.
+    const MARGIN: f64 = PADDING as f64;
 
     fn gather(&self, prims: &[u32], locals: &mut Vec<Self::Local>) {
         locals.clear();
@@ -157,10 +145,6 @@ impl Source for Others<'_> {
             let Aabb { min, max } = self.boxes[prim as usize];
             (prim, [min, max].map(|p| self.frame.local(p.as_dvec3()).as_vec3().to_array()))
         }));
-    }
-
-    fn bounds(&self, (_, bounds): &Self::Local) -> Bounds {
-        *bounds
     }
 
     fn cells<S: Lanes>(&self, &(prim, [min, max]): &Self::Local, window: &Window) -> u64 {

@@ -1,6 +1,6 @@
 //! Packs of eight spheres: the point of the ray nearest to the centre, with bounds on the errors.
 
-use super::frame::Sight;
+use super::frame::{Exact, Sight};
 use super::lanes::{Lanes, Row, Vector};
 use super::pack::{Pack, PackRay, Seen, Verdict, padded};
 use glam::{DVec3, Vec3};
@@ -66,6 +66,8 @@ impl SpherePack {
 }
 
 impl Pack for SpherePack {
+    const SQUARE: bool = true;
+
     #[inline(always)]
     fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S> {
         let (zero, two) = (S::splat(0.0), S::splat(2.0));
@@ -107,8 +109,8 @@ impl Pack for SpherePack {
     /// two hits is certainly before the ray's begin, it judges the second.
     #[inline(never)]
     fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
-        let d = sight.course;
-        let c = DVec3::from_array(self.centre.each_ref().map(|row| f64::from(row.0[lane]))) - sight.own;
+        let Exact { origin, direction: d, start, .. } = sight.exact();
+        let c = DVec3::from_array(self.centre.each_ref().map(|row| f64::from(row.0[lane]))) - origin;
         let (radius, away) = (f64::from(self.radius.0[lane]), c.abs().max_element());
         let (inverse_square, along) = (1.0 / d.dot(d), c.dot(d));
         let m = along * inverse_square;
@@ -125,14 +127,14 @@ impl Pack for SpherePack {
         let unsure =
             away * away * (DOUBLE * f64::from(OUTSIDE)) + radius * radius * (4.0 * DOUBLE * f64::from(E)) + tiny;
         let outside = c.dot(c) - radius * radius > unsure;
-        let forwards = f64::from(sight.begin[1]) + sight.start > 0.0;
+        let forwards = f64::from(sight.begin[1]) + start >= 0.0;
         if outside && forwards && along < -away * (12.0 * DOUBLE * f64::from(E)) - tiny {
             return Verdict::Miss;
         }
         let chord = (within * inverse_square).sqrt();
         let bound = (away + wide) * (DOUBLE * f64::from(CHORD)) + f64::from(SPECK);
         let certain = within > square * 0.0625 && wide > away * (DOUBLE * f64::from(SMALL)) + f64::from(SPECK);
-        let (first, second) = (m - chord - sight.start, m + chord - sight.start);
+        let (first, second) = (m - chord - start, m + chord - start);
         match sight.judge(first, bound, end, certain) {
             Verdict::Miss if first < f64::from(end) && certain => sight.judge(second, bound, end, certain),
             Verdict::Miss if first < f64::from(end) => Verdict::Open,

@@ -4,6 +4,7 @@
 
 use super::frame::Entry;
 use super::shape::Top;
+use glam::Vec3A;
 
 /// A cell of the grid on top, and where the ray leaves it. A plane is crossed at its number times the pace less the base.
 pub(super) struct Place {
@@ -23,41 +24,33 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// That of a grid of one cell.
-    pub const ONE: Place = Place {
-        cell: 0,
-        crossing: [f32::INFINITY; 3],
-        plane: [0.0; 3],
-        pace: [0.0; 3],
-        planes: [0.0; 3],
-        base: [0.0; 3],
-        stride: [0; 3],
-        left: [0; 3],
-    };
-
     /// Where a ray from `origin`, seen along its octant, begins.
     #[inline(always)]
-    pub fn new(top: &Top, origin: &[f32; 3], entry: &Entry, octant: usize) -> Self {
-        let (inverse, size) = (&entry.inverse, &entry.size);
-        let mut place = Self::ONE;
-        let mut step = 1;
-        for a in 0..3 {
-            let from = top.half[a] + origin[a];
-            place.base[a] = from * inverse[a];
-            place.pace[a] = top.cell[a] * inverse[a];
-            place.planes[a] = top.per_unit[a] * size[a];
-            let last = top.cells[a] as i32 - 1;
-            // The origin is in the grid but for rounding.
-            let (at, number) = whole(least(most(from * top.per_unit[a] - 0.5, 0.0), last as f32));
-            place.left[a] = last - number;
-            place.plane[a] = at + 1.0;
-            place.crossing[a] = place.plane[a] * place.pace[a] - place.base[a];
+    pub fn new(top: &Top, origin: Vec3A, entry: &Entry, octant: usize) -> Self {
+        let from = top.half + origin;
+        let (base, pace) = (from * entry.inverse, top.cell * entry.inverse);
+        // The origin is in the grid but for rounding.
+        let shifted = (from * top.per_unit - 0.5).max(Vec3A::ZERO).min(top.last) + SHIFT;
+        let plane = (shifted - SHIFT) + 1.0;
+        let crossing = plane * pace - base;
+        let (mut cell, mut stride, mut left, mut step) = (0, [0; 3], [0; 3], 1);
+        for (a, number) in shifted.to_array().map(number).into_iter().enumerate() {
+            left[a] = top.cells[a] as i32 - 1 - number;
             let backward = octant >> a & 1 != 0;
-            place.stride[a] = if backward { -step } else { step };
-            place.cell += (if backward { last - number } else { number }) as isize * step;
+            stride[a] = if backward { -step } else { step };
+            cell += (if backward { left[a] } else { number }) as isize * step;
             step *= top.cells[a] as isize;
         }
-        place
+        Self {
+            cell,
+            crossing: crossing.to_array(),
+            plane: plane.to_array(),
+            pace: pace.to_array(),
+            planes: (top.per_unit * entry.size).to_array(),
+            base: base.to_array(),
+            stride,
+            left,
+        }
     }
 
     /// To the next cell along an axis, and `s` to where it begins; false outside the grid.
@@ -88,7 +81,8 @@ impl Place {
             // crossing, which the padding allows for.
             let beyond = (exit - self.crossing[a]) * self.planes[a];
             let within = if beyond < 0.0 { 0.0 } else { least(beyond + 0.5, edge - 1.0) };
-            let (crossed, number) = whole(if exits[a] == exit { edge } else { within });
+            let shifted = if exits[a] == exit { edge } else { within } + SHIFT;
+            let (crossed, number) = (shifted - SHIFT, number(shifted));
             self.plane[a] += crossed;
             self.left[a] -= number;
             outside |= self.left[a];
@@ -99,13 +93,13 @@ impl Place {
     }
 }
 
-/// The whole number nearest to one from 0 to 2^22, as both: without a conversion, which would have to ask for its range.
+/// With this added, a number from 0 to 2^22 is rounded to a whole one: without a conversion, which would have to ask for its range.
+const SHIFT: f32 = 8_388_608.0;
+
+/// A whole number to which [`SHIFT`] was added.
 #[inline(always)]
-fn whole(x: f32) -> (f32, i32) {
-    // Here the last place is 1.
-    const SHIFT: f32 = 8_388_608.0;
-    let shifted = x + SHIFT;
-    (shifted - SHIFT, (shifted.to_bits() & 0x007f_ffff) as i32)
+fn number(shifted: f32) -> i32 {
+    (shifted.to_bits() & 0x007f_ffff) as i32
 }
 
 /// The lesser one, neither a NaN: one instruction.

@@ -44,8 +44,15 @@ fn rays(random: &mut Random, count: usize, targets: &[Vec3]) -> Vec<Ray> {
 
 fn check<G: Geometry + Clone>(name: &str, geometry: &G, rays: &[Ray]) {
     let brute = BruteForce::new(geometry);
-    for quality in [Quality::Fast, Quality::Default, Quality::Best] {
-        let mut nested = Nested::build(geometry, &NestedOptions { quality, ..NestedOptions::default() }).unwrap();
+    let built = [
+        (Quality::Fast, Below::Boxes),
+        (Quality::Default, Below::Boxes),
+        (Quality::Default, Below::Nodes),
+        (Quality::Best, Below::Nodes),
+    ];
+    for (quality, below) in built {
+        let options = NestedOptions { quality, below, ..NestedOptions::default() };
+        let mut nested = Nested::build(geometry, &options).unwrap();
         assert!(!nested.describe().is_empty());
         for isa in [Isa::detect(), Isa::Portable] {
             nested.isa = isa;
@@ -128,7 +135,7 @@ fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &
         let Some((ray, entry)) = entry(random, frame) else { continue };
         let sight = &entry.sight;
         for pack in packs {
-            let portable = PackRay::<Portable>::new(sight);
+            let portable = PackRay::<Portable>::new::<K>(sight);
             let Seen { survivors, certain, p, bound } = pack.look(&portable, Portable::splat(sight.end[1]));
             let mut answers = vec![(survivors, Portable::bits(certain) & survivors, p.row(), bound.row())];
             #[cfg(target_arch = "x86_64")]

@@ -5,7 +5,7 @@
 //! parameter, and the rest survives, to be tested exactly.
 
 use super::crowd::Wall;
-use super::frame::Sight;
+use super::frame::{Exact, Sight};
 use super::lanes::{Lanes, Row, Vector};
 use super::pack::{Pack, PackRay, Seen, Verdict, padded};
 use crate::geometry::expansion::two_sum;
@@ -56,18 +56,25 @@ const DOUBLE: f64 = 1.0 / (1 << 29) as f64;
 /// More than what underflow of inputs takes away.
 const LEAST: f64 = 1e-40;
 
-/// What the test computes in f64 of the edges.
+/// What the test computes in f64 of a triangle.
 #[derive(Clone, Copy)]
-struct Edges {
-    /// The least and the greatest of `U`, `V`, `W`, and their bound.
-    low: f64,
-    high: f64,
-    side: f64,
+struct Seen64 {
+    c: DVec3,
+    e1: DVec3,
+    e2: DVec3,
     /// `c . (e1 x e2)`, `D`, `K` and `L`.
     volume: f64,
     determinant: f64,
     away: f64,
     longest: f64,
+}
+
+/// What it computes of the edges.
+#[derive(Clone, Copy)]
+struct Sides {
+    low: f64,
+    high: f64,
+    bound: f64,
 }
 
 /// What it computes of the plane.
@@ -100,46 +107,73 @@ impl TrianglePack {
         pack
     }
 
-    /// The same test with the same bounds, `e` being 2^-53, from the ray's own origin: all inputs are exact.
+    /// A triangle as f64 sees it from the ray's own origin: all of it is exact.
     #[inline(always)]
-    fn edges(&self, lane: usize, sight: &Sight) -> Edges {
+    fn at(&self, lane: usize, ray: &Exact) -> Seen64 {
         let [[ax, ay, az], [bx, by, bz], [fx, fy, fz]] = &self.corners;
         let a = DVec3::new(ax.0[lane].into(), ay.0[lane].into(), az.0[lane].into());
         let b = DVec3::new(bx.0[lane].into(), by.0[lane].into(), bz.0[lane].into());
         let far = DVec3::new(fx.0[lane].into(), fy.0[lane].into(), fz.0[lane].into());
-        let (c, e1, e2, d) = (a - sight.own, a - b, far - a, sight.course);
-        let (across, normal) = (c.cross(d), e2.cross(e1));
-        let (u, v, determinant) = (across.dot(e2), across.dot(e1), normal.dot(d));
-        let w = determinant - u - v;
-        let longest = f64::from(self.longest.0[lane]);
-        let away = greater(greater(c.x.abs(), c.y.abs()), c.z.abs());
-        Edges {
-            low: lesser(lesser(u, v), w),
-            high: greater(greater(u, v), w),
-            side: longest * (DOUBLE * f64::from(SIDE) * (away + longest.abs())) + LEAST,
+        let (c, e1, e2) = (a - ray.origin, a - b, far - a);
+        let normal = e2.cross(e1);
+        Seen64 {
+            c,
+            e1,
+            e2,
             volume: c.dot(normal),
-            determinant,
-            away,
-            longest,
+            determinant: normal.dot(ray.direction),
+            away: greater(greater(c.x.abs(), c.y.abs()), c.z.abs()),
+            longest: f64::from(self.longest.0[lane]),
         }
     }
 }
 
-impl Edges {
-    /// True if the ray's line certainly misses.
+impl Seen64 {
+    /// Bounds on the errors of the plane's numbers: what grows with `p` and what does not.
     #[inline(always)]
-    fn outside(&self) -> bool {
-        (self.high > self.side) & (self.low < -self.side)
+    fn bounds(&self) -> [f64; 2] {
+        let square = self.longest * self.longest;
+        let depth = square * (DOUBLE * f64::from(DEPTH));
+        [depth, square * (self.away * (DOUBLE * f64::from(HEIGHT))) + LEAST]
+    }
+
+    /// True if the plane is certainly behind the ray's own origin, for a ray that begins there or later.
+    #[inline(always)]
+    fn behind(&self) -> bool {
+        let [depth, height] = self.bounds();
+        let size = self.determinant.abs();
+        // The parameter times the size; a bound of an eighth of it, and the height.
+        let ahead = if self.determinant < 0.0 { -self.volume } else { self.volume };
+        8.0 * depth < size && 0.875 * ahead + height < 0.0
+    }
+
+    /// The least and the greatest of `U`, `V`, `W`, and their bound: with `e` being 2^-53 as in f32.
+    #[inline(always)]
+    fn sides(&self, ray: &Exact) -> Sides {
+        let across = self.c.cross(ray.direction);
+        let (u, v) = (across.dot(self.e2), across.dot(self.e1));
+        let w = self.determinant - u - v;
+        Sides {
+            low: lesser(lesser(u, v), w),
+            high: greater(greater(u, v), w),
+            bound: self.longest * (DOUBLE * f64::from(SIDE) * (self.away + self.longest.abs())) + LEAST,
+        }
     }
 
     /// Where the ray meets the plane.
     #[inline(always)]
-    fn plane(&self, sight: &Sight) -> Plane {
-        let (square, size) = (self.longest * self.longest, self.determinant.abs());
-        let depth = square * (DOUBLE * f64::from(DEPTH));
-        let height = square * (self.away * (DOUBLE * f64::from(HEIGHT))) + LEAST;
+    fn plane(&self, ray: &Exact) -> Plane {
+        let ([depth, height], size) = (self.bounds(), self.determinant.abs());
         let p = self.volume / self.determinant;
-        Plane { p: p - sight.start, bound: (height + p.abs() * depth) / size, steep: 8.0 * depth < size }
+        Plane { p: p - ray.start, bound: (height + p.abs() * depth) / size, steep: 8.0 * depth < size }
+    }
+}
+
+impl Sides {
+    /// True if the ray's line certainly misses.
+    #[inline(always)]
+    fn outside(&self) -> bool {
+        (self.high > self.bound) & (self.low < -self.bound)
     }
 }
 
@@ -184,32 +218,61 @@ impl Pack for TrianglePack {
         }
     }
 
+    #[inline(always)]
+    fn look_rounded<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S> {
+        let zero = S::splat(0.0);
+        let a = Vector::<S>::of(&self.corners[0]);
+        let c = a.minus(&ray.origin);
+        let e1 = a.minus(&Vector::of(&self.corners[1]));
+        let e2 = Vector::of(&self.corners[2]).minus(&a);
+        let (across, normal) = (c.cross(&ray.direction), e2.cross(&e1));
+        let (u, v) = (across.dot(&e2), across.dot(&e1));
+        let determinant = normal.dot(&ray.direction);
+        let w = determinant - u - v;
+        let outside = zero.less(u.max(v).max(w)) & u.min(v).min(w).less(zero);
+        let left = !S::bits(outside) & 0xff;
+        if left == 0 {
+            return Seen::nothing();
+        }
+        let p = c.dot(&normal) * (S::splat(1.0) / determinant);
+        // Lanes without a triangle have no determinant, and a NaN for `p`.
+        let in_range = !S::bits(end.less(p) | p.less(ray.begin)) & S::bits(p.less(S::splat(f32::INFINITY)));
+        Seen { survivors: left & in_range, certain: zero.less(zero), p, bound: zero }
+    }
+
     #[inline(never)]
     fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
-        let edges = self.edges(lane, sight);
-        if edges.outside() {
+        let ray = sight.exact();
+        let seen = self.at(lane, &ray);
+        // What a ray starts from, mostly.
+        if sight.from_origin() && seen.behind() {
             return Verdict::Miss;
         }
-        let Plane { p, bound, steep } = edges.plane(sight);
+        let sides = seen.sides(&ray);
+        if sides.outside() {
+            return Verdict::Miss;
+        }
+        let Plane { p, bound, steep } = seen.plane(&ray);
         if !steep {
             return Verdict::Open;
         }
-        sight.judge(p, bound, end, edges.low > edges.side || edges.high < -edges.side)
+        sight.judge(p, bound, end, sides.low > sides.bound || sides.high < -sides.bound)
     }
 
     /// Scalar loops without branches: the compiler makes vectors of them.
     #[inline(always)]
     fn missed(&self, sight: &Sight, end: f32) -> u32 {
+        let ray = sight.exact();
         let mut missed = 0;
         for lane in 0..8 {
-            missed |= u32::from(self.edges(lane, sight).outside()) << lane;
+            missed |= u32::from(self.at(lane, &ray).sides(&ray).outside()) << lane;
         }
         if missed == 0xff {
             return missed;
         }
         let (begin, end) = (f64::from(sight.begin[0]), f64::from(end));
         for lane in 0..8 {
-            let Plane { p, bound, steep } = self.edges(lane, sight).plane(sight);
+            let Plane { p, bound, steep } = self.at(lane, &ray).plane(&ray);
             missed |= u32::from(steep & ((p + bound < begin) | (p - bound > end))) << lane;
         }
         missed
@@ -217,19 +280,21 @@ impl Pack for TrianglePack {
 
     #[inline(always)]
     fn crossed(&self, sight: &Sight) -> u32 {
+        let ray = sight.exact();
         let mut crossed = 0;
         for lane in 0..8 {
-            crossed |= u32::from(self.edges(lane, sight).plane(sight).steep) << lane;
+            crossed |= u32::from(self.at(lane, &ray).plane(&ray).steep) << lane;
         }
         crossed
     }
 
     fn corner(&self, lane: usize, sight: &Sight) -> Option<[f32; 3]> {
-        let d = sight.course.to_array();
+        let ray = sight.exact();
+        let d = ray.direction.to_array();
         self.corners.iter().map(|rows| rows.each_ref().map(|row| row.0[lane])).find(|corner| {
             let mut c = [0.0; 3];
             for axis in 0..3 {
-                let (difference, error) = two_sum(f64::from(corner[axis]), -sight.own[axis]);
+                let (difference, error) = two_sum(f64::from(corner[axis]), -ray.origin[axis]);
                 // With 24 bits each, factors have exact products.
                 if error != 0.0 || f64::from(difference as f32) != difference {
                     return false;
@@ -242,7 +307,7 @@ impl Pack for TrianglePack {
 
     #[inline(always)]
     fn beside<S: Lanes>(&self, wall: &Wall) -> u32 {
-        let (at, normal) = (Vector::<S>::splat(&wall.corner), Vector::splat(&wall.normal));
+        let (at, normal) = (Vector::<S>::splat(wall.corner.into()), Vector::splat(wall.normal.into()));
         let (zero, least) = (S::splat(0.0), S::splat(f32::from_bits(1)));
         let (mut above, mut below) = (0xff, 0xff);
         for rows in &self.corners {
@@ -271,7 +336,7 @@ impl Pack for TrianglePack {
 
     #[inline(always)]
     fn lanes_at<S: Lanes>(&self, corner: &[f32; 3]) -> u32 {
-        let Vector { x, y, z } = Vector::<S>::splat(corner);
+        let Vector { x, y, z } = Vector::<S>::splat((*corner).into());
         let mut lanes = 0;
         for rows in &self.corners {
             let Vector { x: a, y: b, z: c } = Vector::<S>::of(rows);

@@ -8,8 +8,11 @@ use super::lanes::{Lanes, Portable, Row};
 use super::pack::{Pack, PackRay, Seen, Verdict};
 use super::shape::{AnyPart, Node, Part, Shape, Slot};
 use super::step::{Place, least, most};
+use super::tree;
 use crate::accel::{Counts, Probe};
+use crate::geometry::NO_PRIM;
 use crate::ray::Ray;
+use glam::Vec3A;
 
 /// How the trace of a ray ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +33,7 @@ pub(super) fn trace_counted(
     exact: &mut dyn Exact,
     counts: &mut Counts,
 ) -> Outcome {
-    trace::<Portable, _>(shape, ray, any, exact, counts)
+    trace::<Portable, _, true>(shape, ray, any, exact, counts)
 }
 
 /// More than the rounding of a parameter to f32, relative to it.
@@ -39,12 +42,16 @@ const EASE: f64 = 1.0 / (1 << 23) as f64;
 /// Parameters known to f64 are known within this, relative to them.
 const CLOSE: f64 = 1.0 / (1 << 30) as f64;
 
-/// Nodes above one another at most: cells are not cut below [`super::build::LEAST_CELL`].
-const DEPTH: usize = 12;
+/// Nodes above one another at most: cells are not cut below [`super::cut::LEAST_CELL`], 2^-15.
+const DEPTH: usize = 8;
+
+/// Groups that may wait: seven of each level above the last one of a tree.
+const GROUPS: usize = 32;
+const _: () = assert!(7 * (tree::LEVELS as usize - 1) <= GROUPS);
 
 /// Sends `ray` through all parts; ends with the first hit if `any` will do. `ray` comes from [`Ray::intake`].
 #[inline(always)]
-pub(super) fn trace<S: Lanes, P: Probe>(
+pub(super) fn trace<S: Lanes, P: Probe, const EXACT: bool>(
     shape: &Shape,
     ray: &Ray,
     any: bool,
@@ -64,9 +71,9 @@ pub(super) fn trace<S: Lanes, P: Probe>(
             Start::Inside(entry) => entry,
         };
         let done = match part {
-            AnyPart::Triangles(part) => Trace::<S, _, _>::new(part, &entry, any, exact, probe).run(),
-            AnyPart::Spheres(part) => Trace::<S, _, _>::new(part, &entry, any, exact, probe).run(),
-            AnyPart::Lists(part) => Trace::<S, _, _>::new(part, &entry, any, exact, probe).run(),
+            AnyPart::Triangles(part) => Trace::<S, _, _, EXACT>::new(part, &entry, any, exact, probe).run(),
+            AnyPart::Spheres(part) => Trace::<S, _, _, EXACT>::new(part, &entry, any, exact, probe).run(),
+            AnyPart::Lists(part) => Trace::<S, _, _, EXACT>::new(part, &entry, any, exact, probe).run(),
         };
         if done {
             return Outcome::Hit;
@@ -78,8 +85,8 @@ pub(super) fn trace<S: Lanes, P: Probe>(
     Outcome::Done
 }
 
-/// A ray in a part.
-struct Trace<'a, S, K, P> {
+/// A ray in a part; `EXACT` is false where answers are to be as in f32, to measure what exactness costs.
+struct Trace<'a, S, K, P, const EXACT: bool> {
     part: &'a Part<K>,
     entry: &'a Entry,
     any: bool,
@@ -87,8 +94,10 @@ struct Trace<'a, S, K, P> {
     probe: &'a mut P,
     ray: PackRay<S>,
     boxes: BoxRay<S>,
+    /// Groups of boxes that are still to come.
+    groups: [Group; GROUPS],
     /// The part seen along the ray: signs are changed so that the ray moves forwards along every axis.
-    origin: [f32; 3],
+    origin: Vec3A,
     /// Bit `a` is set if the ray moves backwards along axis `a`.
     octant: usize,
     /// The `s` at or beyond the winner, or the ray's end: beyond this nothing is of interest.
@@ -99,10 +108,19 @@ struct Trace<'a, S, K, P> {
     sure: f32,
     /// The winner, as a lane of a pack, if its parameter is known to f32 only.
     pending: Option<(&'a K, usize)>,
+    /// The winner so far, or [`NO_PRIM`]: it is met again in every cell up to where it is hit.
+    winner: u32,
     /// True if there is a winner that has been, or one that need not be.
     found: bool,
     /// What is known where many primitives are near the ray.
     crowd: crowd::Known,
+}
+
+/// A group of boxes that a ray enters at a `p`.
+#[derive(Clone, Copy, Default)]
+struct Group {
+    enter: f32,
+    index: u32,
 }
 
 /// A node with cells that are still to come.
@@ -125,28 +143,25 @@ enum Next {
     Nothing,
 }
 
-impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
+impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXACT> {
     #[inline(always)]
     fn new(part: &'a Part<K>, entry: &'a Entry, any: bool, exact: &'a mut dyn Exact, probe: &'a mut P) -> Self {
-        let sign = entry.sign;
-        let mut origin = [0.0; 3];
-        for a in 0..3 {
-            origin[a] = entry.origin[a] * sign[a];
-        }
         Self {
             part,
             entry,
             any,
             exact,
             probe,
-            ray: PackRay::new(&entry.sight),
-            boxes: BoxRay::new(&entry.origin, &entry.inverse, &entry.sign),
-            origin,
-            octant: usize::from(sign[0] < 0.0) | usize::from(sign[1] < 0.0) << 1 | usize::from(sign[2] < 0.0) << 2,
+            ray: PackRay::new::<K>(&entry.sight),
+            boxes: BoxRay::new(entry),
+            groups: [Group::default(); GROUPS],
+            origin: entry.origin * entry.sign,
+            octant: entry.sign.is_negative_bitmask() as usize,
             end: entry.end,
             limit: entry.sight.end[1],
             sure: entry.sight.end[0],
             pending: None,
+            winner: NO_PRIM,
             found: false,
             crowd: crowd::Known::default(),
         }
@@ -154,7 +169,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
 
     /// Through the part; true if any hit will do and there is one.
     #[inline(always)]
-    fn run(mut self) -> bool {
+    fn run(&mut self) -> bool {
         self.cells();
         self.settle();
         self.any && self.found
@@ -166,7 +181,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         let top = &self.part.top;
         let count = top.slots.len();
         let free = &top.free[self.octant * count..][..count];
-        let mut at = if count == 1 { Place::ONE } else { Place::new(top, &self.origin, self.entry, self.octant) };
+        let mut at = Place::new(top, self.origin, self.entry, self.octant);
         let mut s = 0.0;
         let mut stack = [Waiting::default(); DEPTH];
         loop {
@@ -199,34 +214,77 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
         }
     }
 
-    /// The packs of a cell that the ray leaves at `far`.
+    /// The packs of a cell that the ray leaves at `far`: one, or those that the ray meets of trees, packs before groups and nearer groups
+    /// before others.
     #[inline(always)]
     fn test(&mut self, slot: Slot, far: f32) -> Next {
+        if slot.groups() == 0 {
+            return Next::Cell;
+        }
         let part: &'a Part<K> = self.part;
-        for group in 0..slot.groups() {
-            let (first, enters, mut met) = if slot.is_boxed() {
+        let (boxed, last) = (slot.is_boxed(), slot.first + (slot.groups() - 1));
+        let (mut root, mut index, mut waiting) = (slot.first, slot.first, 0_usize);
+        'groups: loop {
+            let (first, below, inner, enters, mut met) = if boxed {
                 self.probe.step();
-                let boxes = &part.boxes[(slot.first + group) as usize];
-                let (enters, met) = boxes.look(&self.boxes, self.end);
-                (boxes.first, enters, met)
+                let boxes = &part.boxes[index as usize];
+                let (enters, met) = boxes.look(&self.boxes, self.limit);
+                (boxes.first, boxes.below, (1_u32 << (boxes.inner & 15)) - 1, enters, met)
             } else {
-                (slot.first, S::splat(0.0), 1)
+                (slot.first, 0, 0, S::splat(0.0), 1)
             };
-            while met != 0 {
-                let pack = &part.packs[(first + met.trailing_zeros()) as usize];
-                met &= met - 1;
+            let mut packs = met & !inner;
+            while packs != 0 {
+                let pack = &part.packs[first.wrapping_add(packs.trailing_zeros()) as usize];
+                packs &= packs - 1;
                 self.probe.leaf();
                 if self.crowd.thick && self.aside(pack) {
                     continue;
                 }
-                let seen = pack.look::<S>(&self.ray, S::splat(self.limit));
+                let (ray, end) = (&self.ray, S::splat(self.limit));
+                let seen = if EXACT { pack.look::<S>(ray, end) } else { pack.look_rounded::<S>(ray, end) };
                 if seen.survivors != 0 {
                     if self.meet(pack, seen) {
                         return Next::Nothing;
                     }
-                    met &= !S::bits(S::splat(self.end).less(enters));
+                    met &= !S::bits(S::splat(self.limit).less(enters));
+                    packs &= met;
                 }
             }
+            met &= inner;
+            if met != 0 {
+                index = below + met.trailing_zeros();
+                met &= met - 1;
+                if met != 0 {
+                    let Row(enters) = enters.row();
+                    let mut near = enters[(index - below) as usize & 7];
+                    while met != 0 {
+                        let lane = met.trailing_zeros();
+                        met &= met - 1;
+                        let mut other = Group { enter: enters[lane as usize & 7], index: below + lane };
+                        if other.enter < near {
+                            std::mem::swap(&mut other.enter, &mut near);
+                            std::mem::swap(&mut other.index, &mut index);
+                        }
+                        self.groups[waiting % GROUPS] = other;
+                        waiting += 1;
+                    }
+                }
+                continue;
+            }
+            while waiting != 0 {
+                waiting -= 1;
+                let Group { enter, index: next } = self.groups[waiting % GROUPS];
+                if enter <= self.limit {
+                    index = next;
+                    continue 'groups;
+                }
+            }
+            if root == last {
+                break;
+            }
+            root += 1;
+            index = root;
         }
         if self.end < far { Next::Part } else { Next::Cell }
     }
@@ -234,6 +292,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     /// What survives of a pack; true if that is all the ray wants.
     #[inline(always)]
     fn meet(&mut self, pack: &'a K, seen: Seen<S>) -> bool {
+        if !EXACT {
+            return self.meet_rounded(pack, seen);
+        }
         let (from, to) = (seen.p - seen.bound, seen.p + seen.bound);
         let in_range = to.less(S::splat(self.sure)) & self.ray.begin.less(from);
         let certain = if K::CERTAIN { S::bits(seen.certain & in_range) } else { 0 };
@@ -250,6 +311,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             let lane = survivors.trailing_zeros() as usize & 7;
             survivors &= survivors - 1;
             let prim = pack.prims()[lane];
+            if prim == self.winner {
+                continue;
+            }
             let known = if K::CERTAIN && certain >> lane & 1 != 0 {
                 Some((from[lane], to[lane]))
             } else {
@@ -270,6 +334,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
                 if to < self.sure {
                     // Before all that was met so far: the winner, whose exact parameter can wait.
                     (self.pending, self.limit, self.sure) = (Some((pack, lane)), to, from);
+                    self.winner = prim;
                     self.end = least(self.end, self.entry.walked(self.limit));
                     continue;
                 }
@@ -288,6 +353,22 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
             }
         }
         false
+    }
+
+    /// As [`Trace::meet`], of hits as f32 has them.
+    #[inline(always)]
+    fn meet_rounded(&mut self, pack: &'a K, seen: Seen<S>) -> bool {
+        let Row(p) = seen.p.row();
+        let mut survivors = seen.survivors;
+        while survivors != 0 && !(self.any && self.found) {
+            let lane = survivors.trailing_zeros() as usize & 7;
+            survivors &= survivors - 1;
+            if p[lane] <= self.limit {
+                (self.pending, self.limit, self.found) = (Some((pack, lane)), p[lane], true);
+            }
+        }
+        self.end = least(self.end, self.entry.walked(self.limit));
+        self.any && self.found
     }
 
     /// The lanes that need not be looked at one by one, where many primitives are near the ray.
@@ -320,6 +401,11 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     fn settle(&mut self) {
         if let Some((pack, lane)) = self.pending.take() {
             let prim = pack.prims()[lane];
+            if !EXACT {
+                let (t, err) = self.entry.parameter(self.limit.into(), 0.0);
+                self.exact.replace(prim, t, err);
+                return;
+            }
             let found = match pack.judge(lane, &self.entry.sight, f32::INFINITY) {
                 Verdict::Hit { p, bound } => Some(self.entry.parameter(p, bound)),
                 _ => None,
@@ -348,8 +434,8 @@ impl<'a, S: Lanes, K: Pack, P: Probe> Trace<'a, S, K, P> {
     /// Lowers the end to the winner.
     #[inline(always)]
     fn know(&mut self, known: Option<Known>) {
-        if let Some(Known { lower, upper, .. }) = known {
-            self.found = true;
+        if let Some(Known { prim, lower, upper }) = known {
+            (self.found, self.winner) = (true, prim);
             self.limit = least(self.limit, self.entry.around(upper)[1]);
             self.sure = least(self.sure, self.entry.around(lower)[0]);
             self.end = least(self.end, self.entry.walked(self.limit));

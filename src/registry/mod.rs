@@ -450,6 +450,8 @@ mod tests {
             ("nested:quality=good", "fast|default|best"),
             ("nested:memory=-1", "memory"),
             ("nested:isa=avx9", "detected|portable"),
+            ("nested:below=sky", "boxes|nodes"),
+            ("nested:density=-1", "density"),
             ("", "name"),
         ] {
             let Err(error) = build(spec, &triangles) else { panic!("{spec} was accepted") };

@@ -4,12 +4,14 @@ use super::{Entry, Needs, Spec, spec};
 use crate::accel::Accel;
 use crate::error::Result;
 use crate::geometry::Geometry;
-use crate::nested::{Instructions, Nested, NestedOptions, Quality};
+use crate::nested::{Below, Instructions, Nested, NestedOptions, Quality};
 
 pub(super) const ENTRY: Entry = Entry {
     name: "nested",
-    summary: "the fast one: grids with skip bytes over trees of 4x4x4 cells, boxes and packs of eight at the leaves",
-    options: "quality=fast|default|best (default), memory=BYTES (as of grid), isa=detected|portable (detected)",
+    summary: "the fast one: grids with skip bytes over trees of boxes, eight at a time, or of 4x4x4 cells; packs of eight at the leaves",
+    options: "quality=fast|default|best (default), memory=BYTES (as of grid), below=boxes|nodes (boxes), \
+              density=F (cells of the grid on top for each primitive, from 0; as they fill the box), \
+              isa=detected|portable (detected)",
     source: "octant distances as of grid-octant; packs after Möller & Trumbore 1997",
     needs: Needs::Any,
     exact: true,
@@ -22,6 +24,8 @@ pub(super) fn build<'a, G: Geometry + 'a>(mut spec: Spec, geometry: G) -> Result
         quality: spec.take_choice("quality", &Quality::NAMES)?.unwrap_or_default(),
         memory: spec.take("memory", spec::parse_bytes)?.unwrap_or(usual.memory),
         instructions: spec.take_choice("isa", &Instructions::NAMES)?.unwrap_or_default(),
+        below: spec.take_choice("below", &Below::NAMES)?.unwrap_or_default(),
+        density: spec.take("density", |v| v.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0))?,
     };
     spec.finish()?;
     Ok(Box::new(Nested::build(geometry, &options)?))
