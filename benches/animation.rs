@@ -4,6 +4,9 @@
 //! are of the processor, of all threads together, medians of the frames after the first two; contenders take turns, frame by frame.
 //! What they are given is copied and deformed outside the time. Embree and obvhs are used natively, with their own tests in f32.
 
+mod clock;
+
+use clock::seconds;
 use glam::Vec3;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::{BvhBuildParams, ray::RayHit, rt_triangle::RtTriangle, triangle::Triangle as Native};
@@ -135,20 +138,6 @@ impl Contender for Obvhs {
 
 fn hits<A: Accel + ?Sized>(accel: &A, rays: &[Ray]) -> usize {
     rays.iter().filter(|ray| accel.closest_hit(ray).is_some()).count()
-}
-
-/// Seconds that all threads of the program have computed.
-fn seconds() -> f64 {
-    #[cfg(unix)]
-    {
-        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-        time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-    }
-    #[cfg(not(unix))]
-    {
-        static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
-        START.get_or_init(std::time::Instant::now).elapsed().as_secs_f64()
-    }
 }
 
 /// The mesh at a moment: every corner goes up and down by a fiftieth of the mesh, as does what is beside it.
