@@ -7,7 +7,7 @@
 //! ray's origin. Departs from it: both crossings are moved apart, so that the ray's end may be compared with them as well, and rays whose
 //! origin is not exact, or almost parallel to a plane, are widened by a distance.
 //!
-//! **Why nothing is lost.** Boxes are exact, or rounded outwards; the plane of a box and the ray's origin are then exact ([`Sight`](super::frame::Sight)), their
+//! **Why nothing is lost.** Boxes are exact, or rounded outwards; the plane of a box and the ray's origin are then exact ([`Sight`](super::sight::Sight)), their
 //! difference, the inverse of the direction and the product are each off by a factor of `1 + e` at most, and [`EARLY`] and [`LATE`] are
 //! further from 1 than all three. What is behind the origin stays behind it: a ray that leaves a flat surface does not meet the
 //! surface's box. Where the origin is off by the `fuzz`, both planes are moved apart by four times as much; where a component of
@@ -15,8 +15,9 @@
 //!
 //! A box holds what its primitives have in the cell, padded where the cell cuts them off, as walks come no nearer to a cell than that.
 
-use super::frame::{Entry, LEAST};
+use super::frame::LEAST;
 use super::lanes::{Lanes, Row, Vector};
+use super::sight::Entry;
 use super::step::most;
 use glam::Vec3A;
 

@@ -3,9 +3,9 @@
 //! Bounds of f32 leave all of them open next to a corner that hundreds of triangles share, pack after pack and in each cell around
 //! it. Here is what is done then, out of the walk's loops: see [`Lanes::apart`].
 
-use super::frame::{Exact, Sight};
 use super::lanes::Lanes;
 use super::pack::Pack;
+use super::sight::{Course, Sight};
 use super::simd::Work;
 use glam::DVec3;
 
@@ -40,7 +40,7 @@ pub(super) struct Wall {
 impl Wall {
     /// `None` if the ray may go through the corner.
     fn new(corner: [f32; 3], sight: &Sight) -> Option<Self> {
-        let Exact { origin, direction, .. } = sight.exact();
+        let Course { origin, direction, .. } = sight.course();
         let c = DVec3::from_array(corner.map(f64::from)) - origin;
         let normal = c.cross(direction);
         let (away, size) = (c.abs().max_element(), normal.abs().max_element());

@@ -165,7 +165,7 @@ impl<Src: Source> Cutter<'_, Src> {
         low: [f32; 3],
         size: [f32; 3],
     ) -> Slot {
-        const PACK: usize = 8 * size_of::<u32>();
+        const PACK: usize = size_of::<[u32; 8]>();
         if self.limit.exceeded() {
             return Slot::EMPTY;
         }

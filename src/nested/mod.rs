@@ -14,7 +14,7 @@
 //!  +- part: the rest            another grid
 //! ```
 //!
-//! **A ray** (`walk.rs`) is moved to where it enters the part. On top it steps and leaps as in [`crate::grid`]. At a leaf, eight boxes
+//! **A ray** (`walk`) is moved to where it enters the part. On top it steps and leaps as in [`crate::grid`]. At a leaf, eight boxes
 //! at a time say which packs and which groups of boxes are met: packs are tested at once, groups nearest first. In a node the crossings
 //! of all planes are found at once, and from them the mask of the cells that the ray
 //! crosses; what that has in common with the filled cells is visited from the lowest bit on, which, with the node seen along
@@ -52,6 +52,7 @@ mod place;
 mod raster;
 mod root;
 mod shape;
+mod sight;
 mod simd;
 mod source;
 mod spheres;

@@ -1,8 +1,8 @@
 //! Eight primitives at a time: which of them a ray may meet.
 
 use super::crowd::Wall;
-use super::frame::Sight;
 use super::lanes::{Lanes, Vector};
+use super::sight::Sight;
 use crate::geometry::NO_PRIM;
 
 /// A ray as packs see it, in registers.

@@ -82,8 +82,8 @@ pub(super) mod avx2 {
     #[cfg(test)]
     use crate::nested::{
         boxes::{BoxRay, Boxes},
-        frame::{Entry, Sight},
         pack::{Pack, PackRay},
+        sight::{Entry, Sight},
     };
     use std::arch::x86_64::*;
     use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};

@@ -1,8 +1,8 @@
 //! Packs of eight spheres: the point of the ray nearest to the centre, with bounds on the errors.
 
-use super::frame::{Exact, Sight};
 use super::lanes::{Lanes, Row, Vector};
 use super::pack::{Pack, PackRay, Seen, Verdict, padded};
+use super::sight::{Course, Sight};
 use glam::{DVec3, Vec3};
 
 /// Eight spheres in the part's unit, from the world's origin: centre and radius exactly.
@@ -109,7 +109,7 @@ impl Pack for SpherePack {
     /// two hits is certainly before the ray's begin, it judges the second.
     #[inline(never)]
     fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
-        let Exact { origin, direction: d, start, .. } = sight.exact();
+        let Course { origin, direction: d, start, .. } = sight.course();
         let c = DVec3::from_array(self.centre.each_ref().map(|row| f64::from(row.0[lane]))) - origin;
         let (radius, away) = (f64::from(self.radius.0[lane]), c.abs().max_element());
         let (inverse_square, along) = (1.0 / d.dot(d), c.dot(d));

@@ -2,8 +2,8 @@
 //!
 //! A crossing is computed anew from the number of its plane, alike from both sides; no parameter is added up.
 
-use super::frame::Entry;
 use super::shape::Top;
+use super::sight::Entry;
 use glam::Vec3A;
 
 /// A cell of the grid on top, and where the ray leaves it. A plane is crossed at its number times the pace less the base.

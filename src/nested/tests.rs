@@ -1,9 +1,10 @@
 //! The nested grid against brute force, and its parts against what they promise.
 
 use super::crowd::{Crowd, Known};
-use super::frame::{Entry, Frame, Sight, Start};
+use super::frame::{Frame, Start};
 use super::lanes::{Lanes, Portable, Row};
 use super::pack::{Pack, PackRay, Seen, Verdict};
+use super::sight::{Entry, Sight};
 use super::simd::Work;
 use super::spheres::SpherePack;
 use super::triangles::TrianglePack;

@@ -5,9 +5,9 @@
 //! parameter, and the rest survives, to be tested exactly.
 
 use super::crowd::Wall;
-use super::frame::{Exact, Sight};
 use super::lanes::{Lanes, Row, Vector};
 use super::pack::{Pack, PackRay, Seen, Verdict, padded};
+use super::sight::{Course, Sight};
 use crate::geometry::expansion::two_sum;
 use crate::ray::{greater, lesser};
 use glam::{DVec3, Vec3};
@@ -58,7 +58,7 @@ const LEAST: f64 = 1e-40;
 
 /// What the test computes in f64 of a triangle.
 #[derive(Clone, Copy)]
-struct Seen64 {
+struct Facet {
     c: DVec3,
     e1: DVec3,
     e2: DVec3,
@@ -109,14 +109,14 @@ impl TrianglePack {
 
     /// A triangle as f64 sees it from the ray's own origin: all of it is exact.
     #[inline(always)]
-    fn at(&self, lane: usize, ray: &Exact) -> Seen64 {
+    fn at(&self, lane: usize, ray: &Course) -> Facet {
         let [[ax, ay, az], [bx, by, bz], [fx, fy, fz]] = &self.corners;
         let a = DVec3::new(ax.0[lane].into(), ay.0[lane].into(), az.0[lane].into());
         let b = DVec3::new(bx.0[lane].into(), by.0[lane].into(), bz.0[lane].into());
         let far = DVec3::new(fx.0[lane].into(), fy.0[lane].into(), fz.0[lane].into());
         let (c, e1, e2) = (a - ray.origin, a - b, far - a);
         let normal = e2.cross(e1);
-        Seen64 {
+        Facet {
             c,
             e1,
             e2,
@@ -128,7 +128,7 @@ impl TrianglePack {
     }
 }
 
-impl Seen64 {
+impl Facet {
     /// Bounds on the errors of the plane's numbers: what grows with `p` and what does not.
     #[inline(always)]
     fn bounds(&self) -> [f64; 2] {
@@ -149,7 +149,7 @@ impl Seen64 {
 
     /// The least and the greatest of `U`, `V`, `W`, and their bound: with `e` being 2^-53 as in f32.
     #[inline(always)]
-    fn sides(&self, ray: &Exact) -> Sides {
+    fn sides(&self, ray: &Course) -> Sides {
         let across = self.c.cross(ray.direction);
         let (u, v) = (across.dot(self.e2), across.dot(self.e1));
         let w = self.determinant - u - v;
@@ -162,7 +162,7 @@ impl Seen64 {
 
     /// Where the ray meets the plane.
     #[inline(always)]
-    fn plane(&self, ray: &Exact) -> Plane {
+    fn plane(&self, ray: &Course) -> Plane {
         let ([depth, height], size) = (self.bounds(), self.determinant.abs());
         let p = self.volume / self.determinant;
         Plane { p: p - ray.start, bound: (height + p.abs() * depth) / size, steep: 8.0 * depth < size }
@@ -242,10 +242,10 @@ impl Pack for TrianglePack {
 
     #[inline(never)]
     fn judge(&self, lane: usize, sight: &Sight, end: f32) -> Verdict {
-        let ray = sight.exact();
+        let ray = sight.course();
         let seen = self.at(lane, &ray);
         // What a ray starts from, mostly.
-        if sight.from_origin() && seen.behind() {
+        if sight.is_from_origin() && seen.behind() {
             return Verdict::Miss;
         }
         let sides = seen.sides(&ray);
@@ -262,7 +262,7 @@ impl Pack for TrianglePack {
     /// Scalar loops without branches: the compiler makes vectors of them.
     #[inline(always)]
     fn missed(&self, sight: &Sight, end: f32) -> u32 {
-        let ray = sight.exact();
+        let ray = sight.course();
         let mut missed = 0;
         for lane in 0..8 {
             missed |= u32::from(self.at(lane, &ray).sides(&ray).outside()) << lane;
@@ -280,7 +280,7 @@ impl Pack for TrianglePack {
 
     #[inline(always)]
     fn crossed(&self, sight: &Sight) -> u32 {
-        let ray = sight.exact();
+        let ray = sight.course();
         let mut crossed = 0;
         for lane in 0..8 {
             crossed |= u32::from(self.at(lane, &ray).plane(&ray).steep) << lane;
@@ -289,7 +289,7 @@ impl Pack for TrianglePack {
     }
 
     fn corner(&self, lane: usize, sight: &Sight) -> Option<[f32; 3]> {
-        let ray = sight.exact();
+        let ray = sight.course();
         let d = ray.direction.to_array();
         self.corners.iter().map(|rows| rows.each_ref().map(|row| row.0[lane])).find(|corner| {
             let mut c = [0.0; 3];
