@@ -42,7 +42,7 @@ pub enum Below {
     /// Trees of boxes, eight to a group; the grid on top is as fine as suits them.
     #[default]
     Boxes,
-    /// Nodes of 4 x 4 x 4 cells, where these are worth their time and memory, and boxes in their cells. Rays take up to twice as long: see
+    /// Nodes of 4 x 4 x 4 cells, where these are worth their time and memory, and boxes in their cells. Rays take longer on surfaces: see
     /// docs/bench.md.
     Nodes,
 }
