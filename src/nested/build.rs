@@ -57,7 +57,7 @@ impl<Src: Source> Plan<'_, Src> {
         part.frame = self.frame;
         let Part { top, .. } = part;
         let half = self.frame.half;
-        let density = self.settings.density.unwrap_or_else(|| fill::density(&self.frame, self.boxes, self.members));
+        let density = self.settings.density.unwrap_or_else(|| fill::density(self.boxes, self.members));
         top.cut(half, fill::resolution(half, density * self.members.len() as f64));
         self.place(top, shop)?;
         let occupied = shop.start.windows(2).map(|pair| pair[0] < pair[1]);

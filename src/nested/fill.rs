@@ -7,8 +7,8 @@
 //! Chosen by the time of rays through 26 scenes, out of 0.0002 to 0.6 cells for each primitive: within a factor of three of these numbers the
 //! mean changes by a few hundredths.
 
-use super::frame::Frame;
 use crate::ray::Aabb;
+use glam::DVec3;
 
 /// Cells for each primitive.
 const SURFACES: f64 = 0.001;
@@ -19,30 +19,39 @@ const OVERLAPPING: f64 = 0.07;
 const ENOUGH: usize = 1 << 15;
 
 /// Cells of the grid on top for each of the primitives `members` of a part. Boxes are by index.
-pub(super) fn density(frame: &Frame, boxes: &[Aabb], members: &[u32]) -> f64 {
+///
+/// What counts is how their middles fill the box around these: where primitives are large, none has its middle near the part's faces.
+pub(super) fn density(boxes: &[Aabb], members: &[u32]) -> f64 {
     let each = members.len().div_ceil(ENOUGH).max(1);
-    let seen = members.len().div_ceil(each);
-    let cells = resolution(frame.half, CLOUDS * seen as f64).map(|n| n as usize);
+    let seen = || members.iter().step_by(each).map(|&prim| &boxes[prim as usize]);
+    let middle = |aabb: &Aabb| (aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5;
+    let (mut low, mut high, mut lengths, mut count) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0, 0.0);
+    for aabb in seen() {
+        (low, high) = (low.min(middle(aabb)), high.max(middle(aabb)));
+        lengths += (aabb.max.as_dvec3() - aabb.min.as_dvec3()).max_element();
+        count += 1.0;
+    }
+    let longest = (high - low).max_element();
+    if count < 2.0 || longest <= 0.0 {
+        return SURFACES;
+    }
+    // In units of the longest edge, none of them flat.
+    let size = ((high - low) / longest).max(DVec3::splat(1.0 / 128.0));
+    let cells = resolution((0.5 * size).as_vec3().to_array(), CLOUDS * count).map(|n| n as usize);
+    let per_unit = DVec3::from_array(cells.map(|n| n as f64)) / size;
     let mut filled = vec![false; cells.iter().product()];
-    let mut lengths = 0.0;
-    for &prim in members.iter().step_by(each) {
-        let Aabb { min, max } = boxes[prim as usize];
-        let (min, max) = (min.as_dvec3(), max.as_dvec3());
-        let middle = frame.local((min + max) * 0.5);
-        let at = [0, 1, 2].map(|a| {
-            let half = f64::from(frame.half[a]);
-            ((middle[a] + half) / (2.0 * half) * cells[a] as f64) as usize
-        });
-        let index = [2, 1, 0].iter().fold(0, |index, &a| index * cells[a] + at[a].min(cells[a] - 1));
-        filled[index] = true;
-        lengths += (max - min).max_element() * frame.scale;
+    for aabb in seen() {
+        let at = ((middle(aabb) - low) / longest * per_unit).to_array().map(|x| x as usize);
+        filled[[2, 1, 0].iter().fold(0, |index, &a| index * cells[a] + at[a].min(cells[a] - 1))] = true;
     }
     let share = filled.iter().filter(|&&filled| filled).count() as f64 / filled.len() as f64;
     if share < 0.85 {
-        return SURFACES;
+        SURFACES
+    } else if lengths / count > 0.75 * longest / per_unit.min_element() {
+        OVERLAPPING
+    } else {
+        CLOUDS
     }
-    let cell = [0, 1, 2].map(|a| f64::from(2.0 * frame.half[a]) / cells[a] as f64);
-    if lengths / seen as f64 > 0.75 * cell.iter().copied().fold(0.0, f64::max) { OVERLAPPING } else { CLOUDS }
 }
 
 /// Cubic cells, `wanted` of them; an axis shorter than one gets one.
@@ -61,8 +70,7 @@ mod tests {
 
     fn density_of(points: impl Iterator<Item = Vec3>, size: f32) -> f64 {
         let boxes: Vec<Aabb> = points.map(|p| Aabb { min: p, max: p + size }).collect();
-        let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
-        density(&Frame::new(&all), &boxes, &(0..boxes.len() as u32).collect::<Vec<_>>())
+        density(&boxes, &(0..boxes.len() as u32).collect::<Vec<_>>())
     }
 
     #[test]
@@ -76,7 +84,8 @@ mod tests {
             let sheet = points.iter().map(|p| Vec3::new(p.x, p.y, p.x * p.y));
             assert_eq!(density_of(sheet, 1e-4), SURFACES, "{count} points of a surface");
         }
-        assert_eq!(density_of([Vec3::ZERO].into_iter(), 0.0), CLOUDS, "one point");
-        assert_eq!(density_of(std::iter::empty(), 0.0), SURFACES.min(CLOUDS), "none");
+        for count in 0..3 {
+            assert_eq!(density_of(std::iter::repeat_n(Vec3::ZERO, count), 1.0), SURFACES, "{count} copies");
+        }
     }
 }
