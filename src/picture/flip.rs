@@ -1,8 +1,11 @@
 //! FLIP: the perceived difference of two pictures that are shown in alternation.
 //!
 //! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström & Fairchild 2020, "FLIP: A Difference Evaluator for
-//! Alternating Images", for pictures in a range of 0 to 1. Constants are the paper's; colours as in the authors' own
-//! program. Departs from the paper: the chroma filters are applied as separable passes, which gives the same weights.
+//! Alternating Images", for pictures in a range of 0 to 1; [`hdr`] is for all others. Constants are the paper's; colours as
+//! in the authors' own program. Departs from the paper: the chroma filters are applied as separable passes, which gives
+//! the same weights.
+
+pub mod hdr;
 
 use super::{Picture, metrics};
 use crate::error::Result;
@@ -60,24 +63,35 @@ impl ErrorMap {
 /// The sizes differ, the pictures are empty, or a pixel is not finite.
 pub fn compare(test: &Picture, reference: &Picture) -> Result<ErrorMap> {
     metrics::check(test, reference)?;
-    let size = Size { width: test.width as usize, height: test.height as usize };
-    let [a, b] = [reference, test].map(|p| Seen::new(p, size));
+    let size = Size::of(test);
+    let [a, b] = [reference, test].map(|p| Seen::new(p.pixels.iter().map(|p| p.map(f64::from)), size));
+    Ok(ErrorMap { width: test.width, height: test.height, errors: errors(&a, &b) })
+}
+
+/// The error of each pixel.
+fn errors(a: &Seen, b: &Seen) -> Vec<f32> {
     let largest = largest_distance();
     let pixels = a.lab.iter().zip(&b.lab).zip(a.features.iter().zip(&b.features));
-    let errors = pixels.map(|((a_lab, b_lab), (a_feature, b_feature))| {
+    let error = |((a_lab, b_lab), (a_feature, b_feature)): ((_, _), (&[f64; 2], &[f64; 2]))| {
         let colour = redistribute(hyab(a_lab, b_lab).powf(COLOUR_EXPONENT), largest);
         let edge = (a_feature[0] - b_feature[0]).abs();
         let point = (a_feature[1] - b_feature[1]).abs();
         let feature = (edge.max(point) / std::f64::consts::SQRT_2).powf(FEATURE_EXPONENT);
         colour.powf(1.0 - feature) as f32
-    });
-    Ok(ErrorMap { width: test.width, height: test.height, errors: errors.collect() })
+    };
+    pixels.map(error).collect()
 }
 
 #[derive(Clone, Copy)]
 struct Size {
     width: usize,
     height: usize,
+}
+
+impl Size {
+    fn of(picture: &Picture) -> Self {
+        Self { width: picture.width as usize, height: picture.height as usize }
+    }
 }
 
 /// What the eye makes of one picture.
@@ -89,9 +103,9 @@ struct Seen {
 }
 
 impl Seen {
-    fn new(picture: &Picture, size: Size) -> Self {
-        let opponent: Vec<[f64; 3]> =
-            picture.pixels.iter().map(|p| opponent(p.map(|v| f64::from(v).clamp(0.0, 1.0)))).collect();
+    /// `pixels` are linear RGB, clamped here to 0..1.
+    fn new(pixels: impl Iterator<Item = [f64; 3]>, size: Size) -> Self {
+        let opponent: Vec<[f64; 3]> = pixels.map(|p| opponent(p.map(|v| v.clamp(0.0, 1.0)))).collect();
         let planes: Planes = [0, 1, 2].map(|c| opponent.iter().map(|p| p[c]).collect());
         let lightness: Vec<f64> = planes[0].iter().map(|y| (y + 16.0) / 116.0).collect();
         let filtered: Planes = [0, 1, 2].map(|c| filter_colour(&planes[c], size, SENSITIVITY[c]));

@@ -1,10 +1,11 @@
-//! EXR, PNG and PFM in and out, chosen by the file's extension; files are never left half-written.
+//! EXR, PNG and PFM in and out and Radiance's HDR in, chosen by the file's extension; files are never left half-written.
 
 mod exr;
+mod hdr;
 mod pfm;
 mod png;
 
-pub use exr::{read_attributes, read_with_variance, write_with_variance};
+pub use exr::{has_variance, read_attributes, read_with_variance, write_with_variance};
 
 use super::Picture;
 use crate::error::{Error, Result};
@@ -59,12 +60,13 @@ pub enum PngEncoding {
     Linear,
 }
 
-/// The formats that are read and written.
+/// The formats that are read; all but the last are also written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Exr,
     Png,
     Pfm,
+    Hdr,
 }
 
 impl Format {
@@ -74,8 +76,10 @@ impl Format {
             "exr" => Ok(Format::Exr),
             "png" => Ok(Format::Png),
             "pfm" => Ok(Format::Pfm),
+            "hdr" | "pic" => Ok(Format::Hdr),
             other => {
-                Err(Error::malformed(path, format!("extension `{other}` is no picture format: .exr, .png or .pfm")))
+                let cause = format!("extension `{other}` is no picture format: .exr, .png, .pfm, or .hdr to be read");
+                Err(Error::malformed(path, cause))
             }
         }
     }
@@ -83,12 +87,13 @@ impl Format {
 
 /// Reads a picture; a PNG as [`PngEncoding::Declared`].
 ///
-/// EXR: half, f32 or u32 channels `R`, `G`, `B`, or `Y` alone; other channels are ignored. PNG: 8 or 16 bits, grey or
-/// colour; opacity is ignored. PFM: `PF` or `Pf`. Pixels that are not finite are read as they are.
+/// EXR: half, f32 or u32 channels `R`, `G`, `B`, or `Y` alone, without a layer or in the only layer that has any; other
+/// channels are ignored. PNG: 8 or 16 bits, grey or colour; opacity is ignored. PFM: `PF` or `Pf`. HDR: Radiance's RGBE.
+/// Pixels that are not finite are read as they are.
 ///
 /// # Errors
-/// The file cannot be read, has another extension, is damaged, has no colour channels, several parts or deep data, would
-/// take more than [`MAX_DECODED_BYTES`] while it is decoded, or states a size for which it is too short.
+/// The file cannot be read, has another extension, is damaged, has no colour channels or these in several layers, has
+/// several parts, deep data or subsampled channels, would take more than [`MAX_DECODED_BYTES`] while it is decoded, or states a size for which it is too short.
 pub fn read(path: impl AsRef<Path>) -> Result<Picture> {
     read_with(path, PngEncoding::Declared)
 }
@@ -98,13 +103,26 @@ pub fn read(path: impl AsRef<Path>) -> Result<Picture> {
 /// # Errors
 /// As [`read`].
 pub fn read_with(path: impl AsRef<Path>, encoding: PngEncoding) -> Result<Picture> {
-    let path = path.as_ref();
+    decode(path.as_ref(), encoding, None)
+}
+
+/// As [`read`], the channels of `layer` in an EXR file: `LAYER.R`, `LAYER.G` and `LAYER.B`, or `LAYER.Y` alone. For other
+/// formats, which have no layers, as [`read`].
+///
+/// # Errors
+/// As [`read`]; or an EXR file has no such layer.
+pub fn read_layer(path: impl AsRef<Path>, layer: &str) -> Result<Picture> {
+    decode(path.as_ref(), PngEncoding::Declared, Some(layer))
+}
+
+fn decode(path: &Path, encoding: PngEncoding, layer: Option<&str>) -> Result<Picture> {
     let format = Format::of(path)?;
     let bytes = read_bytes(path)?;
     match format {
-        Format::Exr => exr::decode(path, &bytes),
+        Format::Exr => exr::decode(path, &bytes, layer),
         Format::Png => png::decode(path, &bytes, encoding),
         Format::Pfm => pfm::decode(path, &bytes),
+        Format::Hdr => hdr::decode(path, &bytes),
     }
 }
 
@@ -129,6 +147,7 @@ pub fn write(path: impl AsRef<Path>, picture: &Picture, attributes: &Attributes)
             }
         }
         Format::Pfm => pfm::encode(picture),
+        Format::Hdr => return Err(Error::malformed(path, "Radiance pictures are read only: .exr, .png or .pfm")),
     };
     replace_file(path, &bytes)
 }

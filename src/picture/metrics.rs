@@ -5,9 +5,12 @@ use crate::error::{Error, Result};
 
 /// Pixels that are not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(serde::Serialize))]
 pub struct NonFinite {
     /// How many pixels have a channel that is NaN or infinite.
     pub count: usize,
+    /// Of these, how many have a channel that is NaN.
+    pub nan: usize,
     /// Column and row of the first of them.
     pub first: Option<(u32, u32)>,
 }
@@ -15,16 +18,23 @@ pub struct NonFinite {
 impl NonFinite {
     /// Counts them.
     pub fn of(picture: &Picture) -> Self {
-        let mut bad = picture.pixels.iter().enumerate().filter(|(_, p)| !p.iter().all(|v| v.is_finite()));
-        let Some((i, _)) = bad.next() else { return Self::default() };
         let columns = picture.width.max(1) as usize;
-        Self { count: 1 + bad.count(), first: Some(((i % columns) as u32, (i / columns) as u32)) }
+        let mut found = Self::default();
+        for (i, pixel) in picture.pixels.iter().enumerate().filter(|(_, p)| !p.iter().all(|v| v.is_finite())) {
+            found.count += 1;
+            found.nan += usize::from(pixel.iter().any(|v| v.is_nan()));
+            found.first = found.first.or(Some(((i % columns) as u32, (i / columns) as u32)));
+        }
+        found
     }
 
     /// A sentence about `picture` if there is any such pixel.
     pub fn complaint(&self, picture: &str) -> Option<String> {
         let (x, y) = self.first?;
-        Some(format!("{picture} has {} pixels that are not finite, the first in column {x}, row {y}", self.count))
+        let Self { count, nan, .. } = self;
+        Some(format!(
+            "{picture} has {count} pixels that are not finite ({nan} of them NaN), the first in column {x}, row {y}"
+        ))
     }
 }
 
@@ -54,6 +64,8 @@ pub struct Metrics {
     pub above_1_percent: f64,
     /// The same with 0.1 %.
     pub above_01_percent: f64,
+    /// Share (0 to 1) of pixels of which any channel differs at all; -0 equals 0.
+    pub differing: f64,
     /// Sum of all values of the picture over that of the reference; 1 if both are 0.
     pub mean_ratio: f64,
 }
@@ -83,6 +95,7 @@ pub fn compare(test: &Picture, reference: &Picture) -> Result<Metrics> {
         psnr: -10.0 * mse.log10(),
         above_1_percent: sums.above_1 as f64 / pixels,
         above_01_percent: sums.above_01 as f64 / pixels,
+        differing: sums.differing as f64 / pixels,
         mean_ratio: ratio(sums.test, sums.reference),
     })
 }
@@ -119,6 +132,7 @@ struct Sums {
     max_at: usize,
     above_1: usize,
     above_01: usize,
+    differing: usize,
 }
 
 impl Sums {
@@ -140,6 +154,7 @@ impl Sums {
         let scale = a.into_iter().chain(b).fold(1e-3, f64::max);
         self.above_1 += usize::from(largest > 0.01 * scale);
         self.above_01 += usize::from(largest > 0.001 * scale);
+        self.differing += usize::from(largest > 0.0);
     }
 }
 
@@ -166,7 +181,7 @@ mod tests {
         close(m.psnr, 10.0 * (1.0 / m.mse).log10());
         close(m.mean_ratio, (5.25 + d - e) / 5.25);
         assert_eq!((m.max, m.max_at), (0.25, (0, 0)));
-        assert_eq!((m.above_1_percent, m.above_01_percent), (0.25, 0.5));
+        assert_eq!((m.above_1_percent, m.above_01_percent, m.differing), (0.25, 0.5, 0.5));
     }
 
     #[test]
@@ -184,6 +199,9 @@ mod tests {
             let message = compare(a, b).expect_err("NaN").to_string();
             assert!(message.contains(who) && message.contains("column 1, row 0"), "{message}");
         }
+        let worse = picture(&[[f32::INFINITY, 0.0, f32::NAN], [f32::NEG_INFINITY, 1.0, 1.0]]);
+        assert_eq!(NonFinite::of(&worse), NonFinite { count: 2, nan: 1, first: Some((0, 0)) });
+        assert_eq!(NonFinite::of(&good), NonFinite::default());
         assert!(compare(&good, &picture(&[[1.0; 3]])).is_err());
         assert!(compare(&Picture::new(0, 0), &Picture::new(0, 0)).is_err());
     }

@@ -3,7 +3,7 @@
 use super::budget::Budget;
 use super::{Filter, Texture};
 use glam::Vec3;
-use image::{DynamicImage, ImageReader, Limits};
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 
 /// Most pixels on a side, and in all: 64 Mi texels take 768 MiB.
@@ -50,7 +50,10 @@ pub(super) fn mean(texture: &Texture) -> Vec3 {
 
 fn picture(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, String> {
     let open = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string());
-    // Formats other than PNG and JPEG are not compiled in, so `image` names them in its error.
+    // The others are not compiled in, so `image` names them in its error.
+    if open()?.format() == Some(ImageFormat::Hdr) {
+        return Err("Radiance HDR is no texture that is read: PNG or JPEG".into());
+    }
     let size = open()?.into_dimensions().map_err(|e| e.to_string())?;
     let texels = u64::from(size.0) * u64::from(size.1);
     if size.0 > MAX_SIDE || size.1 > MAX_SIDE || texels > MAX_TEXELS || texels == 0 {
@@ -112,6 +115,8 @@ mod tests {
     fn what_is_no_image_is_refused() {
         assert!(decode(b"", "t", true, Filter::Nearest).is_err());
         assert!(decode(b"BM no image", "t", true, Filter::Nearest).is_err());
+        let radiance = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80";
+        assert!(decode(radiance, "t", true, Filter::Nearest).is_err_and(|cause| cause.contains("PNG or JPEG")));
         let whole = png(&image::RgbImage::new(64, 64).into());
         assert!(decode(&whole[..whole.len() / 2], "t", true, Filter::Nearest).is_err());
         // 64 x 64 texels of 26 bytes while they are decoded, of 12 afterwards.

@@ -164,7 +164,6 @@ fn failures_have_their_code_and_one_line() {
         (3, "nowhere", vec!["trace", "good.tri", "--rays", "rays.npy", "--hits", "nowhere/hits.npy"]),
         (2, "gird", vec!["compare", "cornell", "--accel", "gird"]),
         (3, "gone.pfm", vec!["diff", "gone.pfm", "one.pfm"]),
-        (2, "nan.pfm", vec!["diff", "nan.pfm", "one.pfm"]),
         (2, "wide.pfm", vec!["diff", "wide.pfm", "one.pfm"]),
         (2, "old.png", vec!["diff", "old.png", "one.pfm"]),
         (3, "nowhere", vec!["export", "cornell", "--to", "povray", "-o", "nowhere/out.pov"]),
@@ -455,7 +454,10 @@ fn diff_measures_and_judges() {
     let run = skipgrid(&folder, &["diff", "a.pfm", "b.pfm", "--format", "json"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let value = json(&run);
-    for (metric, expected) in [("mse", 0.06), ("rmse", 0.06f64.sqrt()), ("mae", 0.1), ("max", 0.6), ("above1", 0.5)] {
+    for (metric, expected) in [("mse", 0.06), ("rmse", 0.06f64.sqrt()), ("mae", 0.1), ("max", 0.6), ("above1", 0.5)]
+        .into_iter()
+        .chain([("psnr", 10.0 * (1.0 / 0.06f64).log10()), ("differing", 0.5), ("mean-ratio", 3.6 / 3.0)])
+    {
         let found = value[metric].as_f64().unwrap_or(f64::NAN);
         // The pictures are f32: 0.6 is known to 1e-7.
         assert!((found - expected).abs() < 1e-6, "{metric}: {found}, not {expected}");
@@ -464,6 +466,15 @@ fn diff_measures_and_judges() {
         let run = skipgrid(&folder, &["diff", "a.pfm", "b.pfm", "--metric", "mse", "--fail-above", bound]);
         assert_eq!(run.code, Some(code), "{bound}");
     }
+    // 12.218 decibel, and worse is less.
+    for (bound, code) in [("12.2", 0), ("12.3", 1)] {
+        let run = skipgrid(&folder, &["diff", "a.pfm", "b.pfm", "--metric", "psnr", "--fail-below", bound]);
+        assert_eq!(run.code, Some(code), "{bound}");
+    }
+    let run = skipgrid(&folder, &["diff", "a.pfm", "b.pfm", "--metric", "hdr-flip", "--exposure-map", "e.png"]);
+    assert_eq!((run.code, run.stdout.lines().count()), (Some(0), 2), "{}", run.stderr);
+    assert!(run.stderr.contains("hdr-flip over 2 exposures"), "{}", run.stderr);
+    fs::remove_file(folder.join("e.png")).expect("a map of the exposures");
     let run = skipgrid(&folder, &["diff", "a.pfm", "a.pfm", "--fail-above", "0", "-o", "map.png"]);
     assert_eq!(run.code, Some(0), "equal pictures: {}", run.stdout);
     assert_eq!(files(&folder), ["a.pfm", "b.pfm", "map.png"]);

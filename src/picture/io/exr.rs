@@ -1,5 +1,6 @@
 //! OpenEXR through the `exr` crate: f32 out, half, f32 and u32 in.
 
+mod layers;
 mod order;
 
 use super::{
@@ -49,6 +50,18 @@ pub fn read_with_variance(path: impl AsRef<Path>) -> crate::Result<(Picture, Pic
     Ok((picture(path, &part, &COLOURS)?, picture(path, &part, &VARIANCE)?))
 }
 
+/// Whether the EXR file has the channels of a variance, whose pixels are not looked at.
+///
+/// # Errors
+/// The file cannot be read or its header is damaged.
+pub fn has_variance(path: impl AsRef<Path>) -> crate::Result<bool> {
+    let path = path.as_ref();
+    let bytes = read_bytes(path)?;
+    let reader = Reader::read_from_buffered(Cursor::new(&bytes[..]), false).map_err(|e| damaged(path, &e))?;
+    let channels = || reader.headers().iter().flat_map(|header| &header.channels.list);
+    Ok(VARIANCE.iter().all(|name| channels().any(|c| c.name == **name)))
+}
+
 /// The text attributes of an EXR file, in the order of their names.
 ///
 /// # Errors
@@ -69,10 +82,11 @@ pub fn read_attributes(path: impl AsRef<Path>) -> crate::Result<Attributes> {
     Ok(Attributes { entries })
 }
 
-pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Picture> {
+pub(super) fn decode(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Picture> {
     let part = decode_part(path, bytes)?;
-    let grey = channel(&part, "Y").is_some() && COLOURS.iter().all(|name| channel(&part, name).is_none());
-    picture(path, &part, if grey { &["Y"; 3] } else { &COLOURS })
+    let names: Vec<String> = part.channel_data.list.iter().map(|c| utf8(&c.name)).collect();
+    let colours = layers::colours(&names, layer).map_err(|cause| Error::malformed(path, cause))?;
+    picture(path, &part, &[0, 1, 2].map(|c| colours[c].as_str()))
 }
 
 pub(super) fn encode(
@@ -113,7 +127,9 @@ fn decode_part(path: &Path, bytes: &[u8]) -> Result<Part> {
     }
     if let Some(c) = header.channels.list.iter().find(|c| c.sampling != Vec2(1, 1)) {
         let Vec2(x, y) = c.sampling;
-        return Err(Error::malformed(path, format!("channel `{}` has one sample for {x} x {y} pixels", c.name)));
+        let cause =
+            format!("channel `{}` is subsampled, one value for {x} x {y} pixels: wanted is one for each", c.name);
+        return Err(Error::malformed(path, cause));
     }
     let Vec2(width, height) = header.layer_size;
     let bytes_per_pixel = header.channels.bytes_per_pixel as u64;

@@ -53,16 +53,17 @@ pub fn vox(bytes: &[u8]) {
     scene("scene.vox", bytes);
 }
 
-/// EXR, PNG or PFM by their first bytes; all else, and PNG too, as a texture, which may be JPEG.
+/// EXR, PFM, Radiance's or PNG by their first bytes; all else, and PNG too, as a texture, which may be JPEG.
 pub fn picture(bytes: &[u8]) {
     let read = |name: &str| io::read_with(put(name, bytes), PngEncoding::Declared).ok();
     let picture = match bytes {
         [0x76, 0x2f, 0x31, 0x01, ..] => {
             let path = put("a.exr", bytes);
-            let _ = (io::read_with_variance(&path), io::read_attributes(&path));
+            let _ = (io::read_with_variance(&path), io::read_attributes(&path), io::has_variance(&path));
             read("a.exr")
         }
         [b'P', ..] => read("a.pfm"),
+        [b'#', ..] => read("a.hdr"),
         _ => {
             put("t.png", bytes);
             scene("texture.toml", TEXTURED);
@@ -123,7 +124,7 @@ fn use_up(scene: &Scene) {
         assert!(film.sum.iter().all(|sum: &DVec3| sum.is_finite()));
     }
     if scene.textures.iter().all(|t| t.texels.len() < 1 << 12) {
-        let settings = ExportSettings { width: 3, height: 2, max_depth: 3 };
+        let settings = ExportSettings { width: 3, height: 2, max_depth: 3, ..ExportSettings::default() };
         let folder = folder();
         let _ = povray::export(scene, &settings, &folder.join("out.pov"));
         let _ = mitsuba::export(scene, &settings, &folder.join("out.xml"));
