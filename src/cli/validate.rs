@@ -1,11 +1,13 @@
-//! `skipgrid validate`: our pictures against those of POV-Ray and Mitsuba.
+//! `skipgrid validate`: our pictures against those of POV-Ray and Mitsuba, or against any others of any scene.
 
-use super::Outcome;
 use super::console::{Console, Format};
-use super::input::{DEFAULT_ACCELS, check_folder};
+use super::input::{DEFAULT_ACCELS, SceneArgs, check_folder, note_camera};
+use super::{Outcome, interrupt};
 use crate::error::{Error, Result};
 use crate::picture::io::replace_file;
-use crate::validate::{self, Options};
+use crate::render::{Integrator, Settings, omissions};
+use crate::scene::Scene;
+use crate::validate::{self, Options, Theirs};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -19,8 +21,16 @@ accelerators must be equal to the bit. The exit code is 1 if anything differs.
 
 The reference folder is `reference` in the current folder, else in a folder above the program.
 
+With --scene and --theirs a scene of yours is compared with pictures that another program made of it, in their size: with \
+--integrator whitted one picture without noise, pixel by pixel; else the noisy ones of a path tracer, tile by tile. Of these \
+give two or more independent renders, or one EXR file with the variance of its mean in `variance.R`, `variance.G` and \
+`variance.B`. One noisy picture alone can be shown to agree, but not to differ: that may be its noise.
+
 Examples:
   skipgrid validate
+  skipgrid validate --reseed 20 --report report.html
+  skipgrid validate --scene room.glb --theirs a.exr b.exr c.exr d.exr --max-depth 8
+  skipgrid validate --scene flakes --theirs flakes.png --integrator whitted --spp 4 --max-depth 6
   skipgrid validate glass cornell --accel grid:density=8 --report report.html";
 
 /// Compare our pictures with those of POV-Ray and Mitsuba
@@ -37,6 +47,40 @@ pub struct Args {
     /// The reference folder
     #[arg(long, value_name = "DIR")]
     reference: Option<PathBuf>,
+
+    /// A scene of yours, file or formula, to be compared with --theirs
+    #[arg(long, value_name = "SCENE", requires = "theirs", conflicts_with_all = ["cases", "reference"])]
+    scene: Option<String>,
+
+    /// Pictures that another program made of --scene: .exr, .png, .pfm or .hdr
+    #[arg(long, value_name = "IMAGE", num_args = 1.., requires = "scene")]
+    theirs: Vec<PathBuf>,
+
+    /// Renders whose mean a single picture with variance is; 2 trusts its variance least
+    #[arg(long, value_name = "N", default_value_t = 2, requires = "theirs",
+        value_parser = clap::value_parser!(u32).range(2..=1 << 20))]
+    theirs_renders: u32,
+
+    /// How --scene is rendered; default: as the scene says, else path
+    #[arg(long, value_enum, requires = "theirs")]
+    integrator: Option<Method>,
+
+    /// Longest path in edges, for --scene; default: as the scene says, else 8
+    #[arg(long, value_name = "N", requires = "theirs", value_parser = clap::value_parser!(u32).range(1..))]
+    max_depth: Option<u32>,
+
+    /// Samples for each pixel: of each render (path, default 32), or of a regular grid, a square number (whitted)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Option<u32>,
+
+    /// Renders of ours with different seeds that a noisy picture is compared with
+    #[arg(long, value_name = "N", default_value_t = Options::default().replicates,
+        value_parser = clap::value_parser!(u32).range(2..=1 << 20))]
+    replicates: u32,
+
+    /// Repeat each comparison within noise with N further sets of renders, and list their probabilities
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    reseed: u32,
 
     /// Where a self-contained HTML page with all pictures goes
     #[arg(long, value_name = "FILE")]
@@ -55,13 +99,17 @@ pub struct Args {
     format: Format,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// Path tracing, for pictures with noise
+    Path,
+    /// Whitted 1980, for pictures without
+    Whitted,
+}
+
 /// Validates and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.report.as_deref().map(check_folder).transpose()?;
-    let folder = match &args.reference {
-        Some(folder) => folder.clone(),
-        None => find_reference()?,
-    };
     let bar = console.progress(1);
     let progress = |done: usize, all: usize, next: &str| {
         bar.set_length(all as u64);
@@ -70,13 +118,34 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     let options = Options {
         threads: args.threads.map(|n| n as usize),
+        replicates: args.replicates,
+        reseeds: args.reseed,
         keep_pictures: args.report.is_some() || args.pictures.is_some(),
         progress: Some(&progress),
+        stop: Some(interrupt::request()),
         ..Options::default()
     };
-    let report = validate::run(folder.join(MANIFEST), &args.cases, &args.accels, &options);
+    let report = match &args.scene {
+        Some(name) => {
+            let source = SceneArgs { scene: name.clone(), drop_invalid: false, memory_budget: None };
+            let scene = source.load(console)?;
+            note_camera(&scene, console);
+            let theirs = theirs(args, &scene)?;
+            omissions(&scene, theirs.integrator).iter().for_each(|words| console.warn(words));
+            let spp = args.spp.unwrap_or(options.spp);
+            validate::against(&scene, &theirs, &args.accels, &Options { spp, ..options })
+        }
+        None => {
+            let folder = args.reference.clone().map_or_else(find_reference, Ok)?;
+            let spp = args.spp.unwrap_or(options.spp);
+            validate::run(folder.join(MANIFEST), &args.cases, &args.accels, &Options { spp, ..options })
+        }
+    };
     bar.finish_and_clear();
     let report = report?;
+    if report.unfinished > 0 && report.entries.is_empty() {
+        return Ok(Outcome::Interrupted);
+    }
 
     match args.format {
         Format::Text => console.data(&format!("{report}\n"))?,
@@ -94,7 +163,31 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         let count = report.write_pictures(folder)?;
         console.note(format!("{count} pictures in {}", folder.display()));
     }
-    Ok(if report.passed() { Outcome::Done } else { Outcome::CheckFailed })
+    Ok(match report.passed() {
+        _ if report.unfinished > 0 => Outcome::Interrupted,
+        true => Outcome::Done,
+        false => Outcome::CheckFailed,
+    })
+}
+
+/// The command line, then the scene's wishes, then the defaults.
+fn theirs(args: &Args, scene: &Scene) -> Result<Theirs> {
+    let wish = &scene.defaults;
+    let whitted = args.integrator.map_or(wish.integrator.as_deref() == Some("whitted"), |m| m == Method::Whitted);
+    let grid = match args.spp {
+        Some(spp) if whitted && spp.isqrt().pow(2) != spp => {
+            let cause = format!("--spp {spp} is no square number, which Whitted's method needs, such as 1, 4, 9, 16");
+            return Err(Error::invalid(cause));
+        }
+        spp => spp.or(wish.spp).unwrap_or(1).isqrt().max(1),
+    };
+    Ok(Theirs {
+        images: args.theirs.clone(),
+        renders: args.theirs_renders,
+        integrator: if whitted { Integrator::Whitted } else { Integrator::Path },
+        grid,
+        max_depth: args.max_depth.or(wish.max_depth).unwrap_or(Settings::default().max_depth),
+    })
 }
 
 /// `reference` in the current folder, else in a folder above the program.

@@ -1,21 +1,31 @@
-//! Rendered pictures against those of POV-Ray and Mitsuba in `reference/`.
+//! Rendered pictures against those of POV-Ray and Mitsuba in `reference/`, and against any others of any scene.
 //!
 //! [`run`] renders every scene of a manifest with every accelerator asked for. POV-Ray's pictures have no noise and are
 //! compared pixel by pixel; Mitsuba's are compared tile by tile within the noise of both sides. The stored pictures are
-//! checked against their digests first, and the pictures of all accelerators must be equal to the bit.
+//! checked against their digests first, and the pictures of all accelerators must be equal to the bit. [`against`] does the
+//! same with pictures that the user has of a scene of his own.
 
 pub mod images;
 pub mod manifest;
+mod replicates;
 mod report;
+mod reseed;
 pub mod sha256;
+mod theirs;
 
 pub use images::check_case;
 pub use manifest::{Case, Manifest};
 pub use report::{CaseVerdict, Entry, Pictures, Provenance, Renderer, Report, Test, TierVerdict};
+pub use reseed::Reseed;
+pub use theirs::{Theirs, against};
 
+use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::scene::{self, LoadOptions};
+use crate::picture::Picture;
+use crate::render::{Settings, render_until};
+use crate::scene::{self, LoadOptions, Scene};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// The accelerators that are validated if none is named.
@@ -34,15 +44,46 @@ pub struct Options<'a> {
     /// Samples for each pixel in each of them. With 8 renders of 32, 0.3 % more albedo fails in the reference scenes
     /// `cornell` and `textured`; with 16, 1 % fails in every scene tried and 0.3 % in `textured` only.
     pub spp: u32,
+    /// The comparisons within noise are repeated with so many further sets of renders, see [`Reseed`].
+    pub reseeds: u32,
     /// Keep pictures in the report, for [`Report::html`] and [`Report::write_pictures`].
     pub keep_pictures: bool,
     /// Told how far the work is.
     pub progress: Option<Progress<'a>>,
+    /// Once it is true no comparison is begun and the one under way is dropped; see [`Report::unfinished`].
+    pub stop: Option<&'a AtomicBool>,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Self { threads: None, replicates: 8, spp: 32, keep_pictures: false, progress: None }
+        Self { threads: None, replicates: 8, spp: 32, reseeds: 0, keep_pictures: false, progress: None, stop: None }
+    }
+}
+
+impl Options<'_> {
+    /// Refuses what cannot be rendered.
+    fn check(&self) -> Result<()> {
+        if self.replicates < 2 || self.spp == 0 {
+            let Options { replicates, spp, .. } = self;
+            return Err(Error::invalid(format!("{replicates} renders of {spp} samples, wanted are at least 2 of 1")));
+        }
+        Ok(())
+    }
+
+    fn stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    /// Our picture, black where the work was stopped.
+    fn render(&self, scene: &Scene, accel: &dyn Accel, settings: &Settings) -> Result<Picture> {
+        let never = AtomicBool::new(false);
+        Ok(render_until(scene, accel, settings, &|_, _| {}, self.stop.unwrap_or(&never))?.film.picture())
+    }
+
+    fn tell(&self, done: usize, all: usize, next: &str) {
+        if let Some(progress) = self.progress {
+            progress(done, all, next);
+        }
     }
 }
 
@@ -54,33 +95,49 @@ impl Default for Options<'_> {
 /// # Errors
 /// The manifest or a scene cannot be read, a case or accelerator is unknown, or a number in `options` is out of range.
 pub fn run(manifest: impl AsRef<Path>, cases: &[String], accels: &[String], options: &Options) -> Result<Report> {
-    if options.replicates < 2 || options.spp == 0 {
-        let Options { replicates, spp, .. } = options;
-        return Err(Error::invalid(format!("{replicates} renders of {spp} samples, wanted are at least 2 of 1")));
-    }
+    options.check()?;
     let manifest = Manifest::read(manifest)?;
     let cases = manifest.select(cases)?;
     let defaults = DEFAULT_ACCELERATORS.map(String::from);
     let accels = if accels.is_empty() { &defaults[..] } else { accels };
-    let total = cases.len() * accels.len();
-    let tell = |done: usize, what: &str| {
-        if let Some(progress) = options.progress {
-            progress(done, total, what);
-        }
-    };
+    let noisy = cases.iter().filter(|case| case.mitsuba.is_some()).count();
+    let mut total = cases.len() * accels.len() + noisy * options.reseeds as usize;
     let mut report = Report::default();
-    for case in cases {
+    'cases: for case in cases {
         let path = case.scene.to_str().ok_or_else(|| Error::malformed(&case.scene, "path is no Unicode text"))?;
         let scene = scene::load(path, &LoadOptions::default())?;
-        for spec in accels {
-            tell(report.entries.len(), &format!("{} with {spec}", case.name));
+        for (i, spec) in accels.iter().enumerate() {
+            let done = |report: &Report| report.entries.len() + report.reseeds.len();
+            options.tell(done(&report), total, &format!("{} with {spec}", case.name));
             let start = Instant::now();
             let accel = scene.accel(spec)?;
             let build_seconds = start.elapsed().as_secs_f64();
             let verdict = check_case(case, &scene, &*accel, options);
+            if options.stopped() {
+                break 'cases;
+            }
             report.add(Entry { accel: spec.clone(), build_seconds, verdict });
+            // Pictures do not depend on the accelerator.
+            if let Some(stored) = case.mitsuba.as_ref().filter(|_| i == 0 && options.reseeds > 0) {
+                let Ok(theirs) = images::read_estimate(stored) else {
+                    // A damaged reference is in the verdict already.
+                    total -= options.reseeds as usize;
+                    continue;
+                };
+                let before = done(&report);
+                let mut tell = |set: u32| {
+                    options.tell(before + set as usize - 1, total, &format!("{} reseeded, set {set}", case.name));
+                };
+                let wanted = images::wanted(stored);
+                let sets = reseed::reseeds(&case.name, &theirs, wanted, (&scene, &*accel), options, &mut tell)?;
+                report.reseeds.extend(sets);
+                if options.stopped() {
+                    break 'cases;
+                }
+            }
         }
     }
-    tell(total, "");
+    report.unfinished = total - report.entries.len() - report.reseeds.len();
+    options.tell(total, total, "");
     Ok(report)
 }

@@ -2,6 +2,7 @@
 
 mod html;
 
+use super::reseed::Reseed;
 use crate::error::{Error, Result};
 use crate::picture::io::{Attributes, write};
 use crate::picture::metrics::Metrics;
@@ -20,6 +21,9 @@ pub enum Renderer {
     /// Mitsuba, path tracing.
     #[serde(rename = "mitsuba")]
     Mitsuba,
+    /// Whoever made the pictures that the user named.
+    #[serde(rename = "theirs")]
+    Other,
 }
 
 impl std::fmt::Display for Renderer {
@@ -27,6 +31,7 @@ impl std::fmt::Display for Renderer {
         f.pad(match self {
             Renderer::PovRay => "povray",
             Renderer::Mitsuba => "mitsuba",
+            Renderer::Other => "theirs",
         })
     }
 }
@@ -34,12 +39,12 @@ impl std::fmt::Display for Renderer {
 /// How the reference picture was made.
 #[derive(Clone, Debug, Serialize)]
 pub struct Provenance {
-    /// Program and version.
+    /// Program and version, or the names of the files.
     pub version: String,
     /// How it was called.
     pub command: String,
-    /// Run time, seconds.
-    pub seconds: f64,
+    /// Run time, seconds; `None` if it is not known.
+    pub seconds: Option<f64>,
     /// Why the tolerance is what it is.
     pub tolerance_reason: Option<String>,
 }
@@ -111,9 +116,10 @@ impl TierVerdict {
         }
     }
 
-    pub(super) fn fail(&mut self, error: &Error) {
+    pub(super) fn failed(mut self, error: &Error) -> Self {
         self.passed = false;
         self.reasons.push(error.to_string());
+        self
     }
 
     /// The reasons as one line.
@@ -158,12 +164,20 @@ pub struct Report {
     pub equal_pictures: usize,
     /// One sentence for each picture that was not.
     pub disagreements: Vec<String>,
+    /// The same comparisons with other seeds, if asked for.
+    pub reseeds: Vec<Reseed>,
+    /// Scenes with an accelerator, and reseeded sets, that were asked for and left out because the work was stopped.
+    pub unfinished: usize,
 }
 
 impl Report {
-    /// True if there is something, all of it passed, and the accelerators agree to the bit.
+    /// True if there is something, nothing was left out, all passed, with all seeds, and the accelerators agree to the bit.
     pub fn passed(&self) -> bool {
-        !self.entries.is_empty() && self.disagreements.is_empty() && self.entries.iter().all(|e| e.verdict.passed())
+        !self.entries.is_empty()
+            && self.unfinished == 0
+            && self.disagreements.is_empty()
+            && self.entries.iter().all(|e| e.verdict.passed())
+            && self.reseeds.iter().all(|r| r.verdict.passed)
     }
 
     /// Adds an entry and compares its pictures with those of the first accelerator for the same scene. Pictures that
@@ -203,8 +217,28 @@ impl Report {
             let equal = self.equal_pictures;
             let _ = write!(text, "; {equal} of {compared} pictures equal the first accelerator's to the bit");
         }
+        if self.unfinished > 0 {
+            let _ = write!(text, "; interrupted, {} left out", self.unfinished);
+        }
         for line in &self.disagreements {
             let _ = write!(text, "\n{line}");
+        }
+        for case in self.entries.iter().map(|e| &e.verdict.case) {
+            let sets: Vec<&StatisticalVerdict> =
+                self.reseeds.iter().filter(|r| r.case == *case).map(|r| &r.verdict).collect();
+            if sets.is_empty() || text.contains(&format!("\n{case} reseeded")) {
+                continue;
+            }
+            let passed = sets.iter().filter(|v| v.passed).count();
+            let least = |p: fn(&StatisticalVerdict) -> f64| sets.iter().map(|v| p(v)).fold(1.0, f64::min);
+            let _ = write!(
+                text,
+                "\n{case} reseeded: {passed} of {} sets passed; least p of chi-squared {:.1e}, worst tile {:.1e}, mean {:.1e}",
+                sets.len(),
+                least(|v| v.chi2_p),
+                least(|v| v.max_p),
+                least(|v| v.global_p)
+            );
         }
         text
     }
@@ -260,7 +294,9 @@ impl Report {
         for (entry, tier) in self.rows() {
             let Some(pictures) = &tier.pictures else { continue };
             let accel = entry.accel.replace(|c: char| !c.is_ascii_alphanumeric() && c != '-', "_");
-            let path = |end: &str| folder.join(format!("{}-{}-{accel}-{end}", entry.verdict.case, tier.renderer));
+            // The name of a scene may be any text.
+            let case = entry.verdict.case.replace(|c: char| !c.is_ascii_alphanumeric() && c != '-' && c != '_', "_");
+            let path = |end: &str| folder.join(format!("{case}-{}-{accel}-{end}", tier.renderer));
             let attributes = Attributes::default().with("case", &entry.verdict.case);
             write(path("ours.exr"), &pictures.ours, &attributes.clone().with("accelerator", &entry.accel))?;
             write(path("theirs.exr"), &pictures.theirs, &attributes.with("renderer", &tier.reference.version))?;

@@ -1,12 +1,13 @@
 //! The validator passes what is right and fails what is tampered with.
 
-use glam::Vec3;
-use skipgrid::accel::{Accel, Counts, Hit, Memory};
+mod faults;
+mod power;
+mod theirs;
+
 use skipgrid::picture::Picture;
 use skipgrid::picture::io::{self, Attributes};
-use skipgrid::ray::{Aabb, Ray};
 use skipgrid::render::{Integrator, Sampler, Settings, render};
-use skipgrid::scene::{Bsdf, LoadOptions, Scene, load};
+use skipgrid::scene::{LoadOptions, Scene, load};
 use skipgrid::validate::{self, Case, Manifest, Options, check_case, sha256};
 use std::path::{Path, PathBuf};
 
@@ -29,117 +30,6 @@ fn reference() -> Option<Manifest> {
 
 fn load_scene(case: &Case) -> Scene {
     load(case.scene.to_str().expect("text"), &LoadOptions::default()).expect("a good scene")
-}
-
-/// The case with POV-Ray's picture alone.
-fn povray_only(case: &Case) -> Case {
-    Case { mitsuba: None, ..case.clone() }
-}
-
-/// The case with Mitsuba's picture alone.
-fn mitsuba_only(case: &Case) -> Case {
-    Case { povray: None, ..case.clone() }
-}
-
-fn assert_fails(case: &Case, scene: &Scene, accel: &dyn Accel, fault: &str) {
-    let verdict = check_case(case, scene, accel, &Options::default());
-    let reasons: Vec<String> = verdict.tiers.iter().map(|t| t.reason()).collect();
-    assert!(verdict.tiers.iter().all(|t| !t.passed), "{} passed with {fault}: {reasons:?}", case.name);
-    assert!(reasons.iter().all(|r| !r.is_empty()));
-}
-
-fn assert_passes(case: &Case, scene: &Scene, accel: &dyn Accel) {
-    for tier in check_case(case, scene, accel, &Options::default()).tiers {
-        assert!(tier.passed, "{} against {}: {}", case.name, tier.renderer, tier.reason());
-    }
-}
-
-/// Multiplies every diffuse albedo.
-fn scale_albedo(scene: &mut Scene, factor: f32) {
-    for material in &mut scene.materials {
-        if let Bsdf::Lambert { albedo, .. } = &mut material.bsdf {
-            *albedo = (*albedo * factor).min(Vec3::ONE);
-        }
-    }
-}
-
-/// Turns the camera by half a pixel of a picture with `height` rows.
-fn shift_half_a_pixel(scene: &mut Scene, height: u32) {
-    let camera = &mut scene.camera;
-    let [_, right, _] = camera.basis();
-    let pixel = 2.0 * (camera.yfov.to_radians() / 2.0).tan() / f64::from(height);
-    camera.target += right * (0.5 * pixel * (camera.target - camera.origin).length());
-}
-
-/// Misses every occluder for one shadow ray of `one_in`, chosen by the ray's bits.
-struct DropsShadows<A> {
-    accel: A,
-    one_in: u64,
-}
-
-impl<A: Accel> Accel for DropsShadows<A> {
-    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.accel.closest_hit(ray)
-    }
-    fn any_hit(&self, ray: &Ray) -> bool {
-        let mut hash = 0u64;
-        for value in ray.origin.to_array().into_iter().chain(ray.direction.to_array()) {
-            hash = (hash ^ u64::from(value.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            hash ^= hash >> 29;
-        }
-        !hash.is_multiple_of(self.one_in) && self.accel.any_hit(ray)
-    }
-    fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        self.accel.closest_hit_counted(ray, counts)
-    }
-    fn any_hit_counted(&self, ray: &Ray, _: &mut Counts) -> bool {
-        self.any_hit(ray)
-    }
-    fn bounds(&self) -> Aabb {
-        self.accel.bounds()
-    }
-    fn memory(&self) -> Memory {
-        self.accel.memory()
-    }
-}
-
-#[test]
-fn povray_agrees_and_every_fault_is_found() {
-    let Some(manifest) = reference() else { return };
-    let cases: Vec<Case> = manifest.cases.iter().filter(|c| c.povray.is_some()).map(povray_only).collect();
-    assert!(cases.len() >= 6, "only {} scenes have a picture of POV-Ray", cases.len());
-    for case in &cases {
-        let scene = load_scene(case);
-        assert_passes(case, &scene, &*scene.accel("grid").expect("built"));
-        // The faster accelerator, since pictures do not depend on it.
-        let accel = scene.accel("obvhs-cwbvh").expect("built");
-        assert_fails(case, &scene, &DropsShadows { accel: &*accel, one_in: 1000 }, "one shadow ray in 1000 dropped");
-        let mut bright = scene.clone();
-        scale_albedo(&mut bright, 1.01);
-        assert_fails(case, &bright, &*accel, "1 % more albedo");
-        let rows = io::read(&case.povray.as_ref().expect("filtered").image).expect("read").height;
-        let mut turned = scene.clone();
-        shift_half_a_pixel(&mut turned, rows);
-        assert_fails(case, &turned, &*accel, "half a pixel of shift");
-    }
-}
-
-#[test]
-fn mitsuba_agrees_and_faults_are_found() {
-    let Some(manifest) = reference() else { return };
-    let Some(case) = manifest.cases.iter().find(|c| c.name == "cornell") else {
-        panic!("the reference has no scene `cornell`");
-    };
-    let case = &mitsuba_only(case);
-    let scene = load_scene(case);
-    let accel = scene.accel("grid").expect("built");
-    assert_passes(case, &scene, &*accel);
-    let mut bright = scene.clone();
-    scale_albedo(&mut bright, 1.01);
-    assert_fails(case, &bright, &*accel, "1 % more albedo");
-    let mut turned = scene.clone();
-    shift_half_a_pixel(&mut turned, case.mitsuba.as_ref().expect("it has one").height);
-    assert_fails(case, &turned, &*accel, "half a pixel of shift");
 }
 
 const SCENE: &str = r#"
@@ -242,11 +132,18 @@ fn reports_say_what_was_found() {
     let manifest = own_reference("reports");
     let options = Options { keep_pictures: true, ..Options::default() };
     let accels = ["brute".to_string(), "grid".to_string()];
+    let options = Options { reseeds: 3, ..options };
     let report = validate::run(&manifest, &[], &accels, &options).expect("it runs");
     assert!(report.passed(), "{report}");
     assert_eq!((report.entries.len(), report.equal_pictures), (2, 2));
     let text = report.to_string();
-    assert!(text.ends_with("4 of 4 comparisons passed; 2 of 2 pictures equal the first accelerator's to the bit"));
+    assert!(text.contains("4 of 4 comparisons passed; 2 of 2 pictures equal the first accelerator's to the bit\n"));
+    // Three further sets of eight renders, for the first accelerator alone; their limits are a third of the usual ones.
+    assert!(text.contains("small reseeded: 3 of 3 sets passed; least p of chi-squared "), "{text}");
+    assert_eq!(report.reseeds.iter().map(|r| r.first_seed).collect::<Vec<_>>(), [9, 17, 25]);
+    let found: Vec<f64> = report.reseeds.iter().map(|r| r.verdict.chi2).collect();
+    assert!(found[0] != found[1] && found[1] != found[2], "other seeds, other noise: {found:?}");
+    assert!(report.reseeds.iter().all(|r| r.verdict.limits.max == 1e-3 / 3.0));
     assert_eq!(report.csv().lines().count(), 5);
     assert!(report.csv().lines().skip(1).all(|line| line.starts_with("small,") && line.contains(",true,24,16,")));
     let json = serde_json::to_value(&report).expect("serialised");
@@ -254,6 +151,7 @@ fn reports_say_what_was_found() {
     assert_eq!(json["entries"][0]["verdict"]["tiers"][0]["test"]["kind"], "deterministic");
     let html = report.html();
     assert!(html.contains("data:image/png;base64,") && html.contains("none &lt;&amp;&gt;"));
+    assert!(html.contains("<section id=\"power\">") && html.matches("<tr><td>small</td><td class").count() == 3);
     assert!(!html.contains("http"), "the page needs the network");
     // Legend, and ours, theirs and difference of both comparisons; equal pictures of the second accelerator are not repeated.
     assert_eq!(html.matches("data:image/png").count(), 7);

@@ -1,6 +1,6 @@
 //! The report as one page that needs no network.
 
-use super::{Entry, Report, Test, TierVerdict};
+use super::{Entry, Report, Reseed, Test, TierVerdict};
 use crate::picture::{Picture, falsecolour, io};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use std::fmt::Write as _;
@@ -20,6 +20,7 @@ pub(super) fn page(report: &Report) -> String {
     }
     page.push_str(&legend());
     table(&mut page, report);
+    power(&mut page, report);
     for entry in &report.entries {
         for tier in &entry.verdict.tiers {
             section(&mut page, entry, tier);
@@ -35,7 +36,8 @@ fn verdict(passed: bool) -> (&'static str, &'static str) {
 
 fn anchor(entry: &Entry, tier: &TierVerdict) -> String {
     let accel = entry.accel.replace(|c: char| !c.is_ascii_alphanumeric(), "-");
-    format!("{}-{}-{accel}", escape(&entry.verdict.case), tier.renderer)
+    let case = entry.verdict.case.replace(|c: char| !c.is_ascii_alphanumeric() && c != '-' && c != '_', "_");
+    format!("{case}-{}-{accel}", tier.renderer)
 }
 
 /// Where the page shows these pixels: equal pictures are kept once.
@@ -80,6 +82,33 @@ fn table(page: &mut String, report: &Report) {
         let _ = writeln!(page, "<td>{}</td></tr>", escape(&tier.reason()));
     }
     page.push_str("</tbody>\n</table>\n");
+}
+
+/// The probabilities of all sets of other seeds.
+fn power(page: &mut String, report: &Report) {
+    if report.reseeds.is_empty() {
+        return;
+    }
+    page.push_str(
+        "<section id=\"power\">\n<h2>Power: our renders with other seeds</h2>\n<p>Probabilities that a renderer without a \
+         fault differs so much by chance. A set fails below the usual limits over the number of sets.</p>\n<table>\n<thead>\
+         <tr><th>case</th><th>first seed</th><th>chi-squared</th><th>worst tile</th><th>mean</th><th>verdict</th></tr>\
+         </thead>\n<tbody>\n",
+    );
+    for Reseed { case, first_seed, verdict: v } in &report.reseeds {
+        let (class, word) = verdict(v.passed);
+        let _ = write!(page, "<tr><td>{}</td>", escape(case));
+        for cell in [
+            first_seed.to_string(),
+            format!("{:.4}", v.chi2_p),
+            format!("{:.4}", v.max_p),
+            format!("{:.4}", v.global_p),
+        ] {
+            let _ = write!(page, "<td class=\"number\">{cell}</td>");
+        }
+        let _ = writeln!(page, "<td class=\"{class}\" title=\"{}\">{word}</td></tr>", escape(&v.reasons.join("; ")));
+    }
+    page.push_str("</tbody>\n</table>\n</section>\n");
 }
 
 fn section(page: &mut String, entry: &Entry, tier: &TierVerdict) {
@@ -151,7 +180,9 @@ fn numbers(page: &mut String, entry: &Entry, tier: &TierVerdict) {
     let (width, height) = tier.size;
     item("size and samples", format!("{width} x {height}, {} for each pixel", tier.samples));
     item("time, ours", format!("{:.2} s, build {:.1} ms", tier.seconds, 1e3 * entry.build_seconds));
-    item("time, theirs", format!("{:.2} s", tier.reference.seconds));
+    if let Some(seconds) = tier.reference.seconds {
+        item("time, theirs", format!("{seconds:.2} s"));
+    }
     item("command, theirs", tier.reference.command.clone());
     if let Some(reason) = &tier.reference.tolerance_reason {
         item("why this tolerance", reason.clone());

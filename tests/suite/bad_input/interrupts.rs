@@ -107,3 +107,38 @@ fn a_second_interrupt_and_other_verbs_end_with_nothing_left() {
     assert_eq!(run.code, Some(130), "{}", run.stderr);
     assert!(run.stdout.is_empty() && run.stderr.contains("interrupted"), "{}", run.stderr);
 }
+
+#[test]
+fn a_validation_reports_what_is_finished() {
+    let folder = folder("validation");
+    skipgrid_renders(&folder);
+    // Hours of other seeds; the comparison itself takes a moment.
+    let common = ["validate", "--scene", "cornell", "--theirs", "a.pfm", "b.pfm", "--accel", "grid", "--threads", "2"];
+    for seconds in [2, 8, 32] {
+        let args = [&common[..], &["--spp", "4", "--reseed", "10000", "--report", "r.html"]].concat();
+        let child = start(&folder, &args);
+        std::thread::sleep(Duration::from_secs(seconds));
+        send("-INT", &child);
+        let run = end(child);
+        assert_eq!(run.code, Some(130), "{}", run.stderr);
+        if run.stdout.is_empty() {
+            continue;
+        }
+        assert!(
+            run.stdout.contains("1 comparisons passed; interrupted, ") && run.stdout.contains("reseeded: "),
+            "{}",
+            run.stdout
+        );
+        assert!(fs::read_to_string(folder.join("r.html")).expect("the report").contains("interrupted"));
+        return;
+    }
+    panic!("no comparison in half a minute");
+}
+
+/// Two small renders of `cornell`, `a.pfm` and `b.pfm`.
+fn skipgrid_renders(folder: &Path) {
+    for (out, seed) in [("a.pfm", "100"), ("b.pfm", "101")] {
+        let args = ["render", "cornell", "--size", "24x24", "--spp", "4", "--seed", seed, "-o", out];
+        assert_eq!(end(start(folder, &args)).code, Some(0));
+    }
+}
