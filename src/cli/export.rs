@@ -10,7 +10,8 @@ use std::path::PathBuf;
 
 const DETAILS: &str = "\
 Meshes and textures that do not fit into the scene file are written beside it. What the other renderer cannot show as we \
-do is said as a warning.
+do is said as a warning. POV-Ray's picture is that of our Whitted integrator plus, unless --lamps is 0, the light that comes \
+straight from shining surfaces; light from diffuse surfaces to others is in Mitsuba's picture alone.
 
 Examples:
   skipgrid export cornell --to mitsuba -o cornell.xml
@@ -40,6 +41,11 @@ pub struct Args {
     /// Longest path in edges: 1 sees emission only, 2 adds direct light; default: the scene's, else 8
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
+
+    /// For POV-Ray: spots along each side of a shining triangle that stand for its light; 0: it lights nothing
+    #[arg(long, value_name = "N", default_value_t = ExportSettings::default().lamp_grid,
+        value_parser = clap::value_parser!(u32).range(0..=64))]
+    lamps: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -56,7 +62,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let default = Settings::default();
     let (width, height) = args.size.or(scene.defaults.size).unwrap_or((default.width, default.height));
     let max_depth = args.max_depth.or(scene.defaults.max_depth).unwrap_or(default.max_depth);
-    let settings = ExportSettings { width, height, max_depth };
+    let settings = ExportSettings { width, height, max_depth, lamp_grid: args.lamps };
     let warnings = match args.to {
         Target::Povray => povray::export(&scene, &settings, &args.out)?,
         Target::Mitsuba => mitsuba::export(&scene, &settings, &args.out)?,

@@ -21,11 +21,14 @@ pub struct ExportSettings {
     pub height: u32,
     /// Longest path in edges, above 0: 1 sees emission only, 2 adds direct light.
     pub max_depth: u32,
+    /// For POV-Ray, which has no lights with an area as we have: so many spots along each side of a shining triangle stand for
+    /// its light. 0: it lights nothing, as in the Whitted integrator.
+    pub lamp_grid: u32,
 }
 
 impl Default for ExportSettings {
     fn default() -> Self {
-        Self { width: 512, height: 512, max_depth: 8 }
+        Self { width: 512, height: 512, max_depth: 8, lamp_grid: 4 }
     }
 }
 
@@ -71,7 +74,7 @@ pub(super) fn plain(name: &str) -> String {
 
 /// Refuses what no renderer could take.
 pub(super) fn check(scene: &Scene, settings: &ExportSettings) -> Result<()> {
-    let ExportSettings { width, height, max_depth } = *settings;
+    let ExportSettings { width, height, max_depth, .. } = *settings;
     if width == 0 || height == 0 || max_depth == 0 {
         return Err(Error::invalid(format!(
             "export: width {width}, height {height} and depth {max_depth} are to be above 0"

@@ -1,11 +1,13 @@
 //! Exports a scene to POV-Ray 3.7, which then renders what our Whitted integrator renders.
 //!
 //! The world keeps its coordinates: the camera is written as explicit vectors, so POV-Ray's left-handed default never
-//! matters. Render with `povray +IFILE.pov +W.. +H.. -D -A +FE File_Gamma=1.0` in the folder of the file; the picture is
+//! matters. Surfaces that shine become spots, see `lamps`. Render with `povray +IFILE.pov +W.. +H.. -D -A +FE File_Gamma=1.0` in the folder of the file; the picture is
 //! linear. What differs by nature is named in the warnings.
 //!
 //! Source of the laws of light: POV-Ray 3.7 computes pigment x colour x cosine without 1/pi, and attenuates by
 //! `2 / (1 + (d / fade_distance)^fade_power)`.
+
+mod lamps;
 
 use super::export::{Assets, ExportSettings, Number, Triple, at_origin, bounds, check, left_out, plain};
 use super::export::{usable_normals, usable_spheres, usable_triangles, write_whole};
@@ -13,6 +15,7 @@ use super::{Bsdf, Filter, Light, Material, Mesh, Scene, SceneGeometry};
 use crate::error::Result;
 use crate::geometry::Geometry;
 use glam::{DVec3, Vec3};
+use lamps::Spot;
 use std::f64::consts::PI;
 use std::io::{self, Write};
 use std::path::Path;
@@ -39,16 +42,26 @@ pub fn export(scene: &Scene, settings: &ExportSettings, out: &Path) -> Result<Ve
     let mut assets = Assets::beside(out);
     let mut materials = Vec::new();
     for (index, material) in scene.materials.iter().enumerate() {
-        materials.push(Declared::new(scene, index, material, &mut assets)?);
+        materials.push(Declared::new(scene, index, material, settings, &mut assets)?);
     }
+    let (spots, too_many) = lamps::spots(scene, settings.lamp_grid);
     let mut warnings = assets.warnings;
     warnings.extend(materials.iter().flat_map(|m| m.warnings.iter().cloned()));
     warnings.extend(left_out(scene));
+    warnings.extend(too_many);
+    if scene.environment.max_element() > 0.0 {
+        let cause =
+            "the environment is seen, in mirrors too, but lights nothing in POV-Ray, as in the Whitted integrator";
+        warnings.push(cause.into());
+    }
+    if settings.max_depth == 1 {
+        warnings.push("depth 1 shows emission alone: POV-Ray has no such depth and adds direct light".into());
+    }
     warnings.extend(scene.lights.iter().enumerate().filter_map(|(i, l)| soft_spot(i, l)));
     if settings.max_depth - 1 > MAX_TRACE_LEVEL {
         warnings.push(format!("depth {} is cut to POV-Ray's greatest, {}", settings.max_depth, MAX_TRACE_LEVEL + 1));
     }
-    let writer = Writer::new(scene, materials);
+    let writer = Writer::new(scene, materials, spots);
     write_whole(out, |w| writer.write(settings, w))?;
     Ok(warnings)
 }
@@ -67,7 +80,13 @@ struct Declared {
 }
 
 impl Declared {
-    fn new(scene: &Scene, index: usize, material: &Material, assets: &mut Assets) -> Result<Self> {
+    fn new(
+        scene: &Scene,
+        index: usize,
+        material: &Material,
+        settings: &ExportSettings,
+        assets: &mut Assets,
+    ) -> Result<Self> {
         let mut this = Self {
             text: format!("// {}\n", plain(&material.name)),
             plain: format!("texture {{ Material{index} }}"),
@@ -78,9 +97,14 @@ impl Declared {
         let name = &material.name;
         let emits = material.emission.max_element() > 0.0;
         if emits {
-            this.warnings.push(format!(
-                "material `{name}` emits: POV-Ray shows it but it lights nothing, as in the Whitted integrator"
-            ));
+            this.warnings.push(match settings.lamp_grid {
+                0 => format!(
+                    "material `{name}` emits: POV-Ray shows it but it lights nothing, as in the Whitted integrator"
+                ),
+                n => {
+                    format!("material `{name}` emits: {n} x {n} spots for each triangle stand for its light in POV-Ray")
+                }
+            });
         }
         match &material.bsdf {
             Bsdf::Lambert { albedo, texture } => {
@@ -176,6 +200,7 @@ fn soft_spot(index: usize, light: &Light) -> Option<String> {
 struct Writer<'a> {
     scene: &'a Scene,
     materials: Vec<Declared>,
+    spots: Vec<Spot>,
     /// Lengths in the file in units of the scene's, a power of two.
     scale: f64,
     /// Middle of the scene and the radius around it, scene units.
@@ -184,7 +209,7 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(scene: &'a Scene, materials: Vec<Declared>) -> Self {
+    fn new(scene: &'a Scene, materials: Vec<Declared>, spots: Vec<Spot>) -> Self {
         let aabb = bounds(scene);
         let (centre, radius) = if aabb.is_empty() {
             (DVec3::ZERO, 1.0)
@@ -193,7 +218,7 @@ impl<'a> Writer<'a> {
             ((min + max) / 2.0, ((max - min).length() / 2.0).max(f64::from(f32::MIN_POSITIVE)))
         };
         let scale = if radius < SMALLEST { (SMALLEST / radius).log2().ceil().exp2() } else { 1.0 };
-        Self { scene, materials, scale, centre, radius }
+        Self { scene, materials, spots, scale, centre, radius }
     }
 
     fn point(&self, p: DVec3) -> Triple {
@@ -216,6 +241,9 @@ impl<'a> Writer<'a> {
         writeln!(w, "background {{ rgb <{}> }}", Triple::from(scene.environment))?;
         for light in &scene.lights {
             self.write_light(light, w)?;
+        }
+        for spot in &self.spots {
+            self.write_lamp(spot, w)?;
         }
         for material in &self.materials {
             w.write_all(material.text.as_bytes())?;
@@ -250,21 +278,34 @@ impl<'a> Writer<'a> {
         )
     }
 
+    /// Colour and fading of a light of `intensity`, W/sr.
+    ///
+    /// An intensity of I gives I / d^2; POV-Ray's colour c gives pi c 2 FADE^2 / d^2 in our units.
+    fn falling(&self, intensity: DVec3) -> String {
+        let colour = intensity * self.scale * self.scale / (2.0 * PI * FADE * FADE);
+        format!("rgb <{}> fade_distance {} fade_power 2", Triple(colour), Number(FADE))
+    }
+
+    fn write_lamp(&self, spot: &Spot, w: &mut dyn Write) -> io::Result<()> {
+        writeln!(
+            w,
+            "light_source {{ <{}>, {} spotlight point_at <{}> radius 90 falloff 90 tightness 1 }}",
+            self.point(spot.position),
+            self.falling(spot.intensity),
+            Triple(spot.position * self.scale + spot.normal * self.radius * self.scale)
+        )
+    }
+
     fn write_light(&self, light: &Light, w: &mut dyn Write) -> io::Result<()> {
-        let falling = |intensity: Vec3| {
-            // An intensity of I gives I / d^2; POV-Ray's colour c gives pi c 2 FADE^2 / d^2 in our units.
-            let colour = intensity.as_dvec3() * self.scale * self.scale / (2.0 * PI * FADE * FADE);
-            format!("rgb <{}> fade_distance {} fade_power 2", Triple(colour), Number(FADE))
-        };
         match light {
             Light::Point { position, intensity } => {
-                writeln!(w, "light_source {{ <{}>, {} }}", self.point(*position), falling(*intensity))
+                writeln!(w, "light_source {{ <{}>, {} }}", self.point(*position), self.falling(intensity.as_dvec3()))
             }
             Light::Spot { position, direction, intensity, cutoff, beam_width } => writeln!(
                 w,
                 "light_source {{ <{}>, {} spotlight point_at <{}> radius {} falloff {} tightness 0 }}",
                 self.point(*position),
-                falling(*intensity),
+                self.falling(intensity.as_dvec3()),
                 Triple(*position * self.scale + *direction * self.radius * self.scale),
                 Number(beam_width.min(*cutoff)),
                 Number(*cutoff)

@@ -91,7 +91,7 @@ fn both_exporters_write_the_patches() {
     let scene = scene("teapot-patches");
     let out = folder.join("pot.pov");
     let warnings = povray::export(&scene, &ExportSettings::default(), &out).expect("written");
-    assert!(warnings.is_empty(), "{warnings:?}");
+    assert!(warnings.len() == 1 && warnings[0].contains("environment"), "{warnings:?}");
     let text = fs::read_to_string(&out).expect("written");
     assert_eq!(text.matches("bicubic_patch").count(), 32);
     let out = folder.join("pot.xml");

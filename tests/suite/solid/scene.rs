@@ -75,7 +75,7 @@ fn voxels_become_meshes_where_they_must() {
     assert!(meshes.voxels().is_none() && meshes.meshes.len() > 2);
     // Exporters write these.
     let folder = folder("voxel-export");
-    let settings = ExportSettings { width: 16, height: 16, max_depth: 2 };
+    let settings = ExportSettings { width: 16, height: 16, max_depth: 2, ..ExportSettings::default() };
     mitsuba::export(&scene, &settings, &folder.join("v.xml")).expect("the folder can be written");
     let xml = std::fs::read_to_string(folder.join("v.xml")).expect("was written");
     assert_eq!(xml.matches("type=\"ply\"").count(), meshes.meshes.len());
