@@ -115,9 +115,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let m = metrics::compare(&a, &b).map_err(named)?;
     // The two that take time are left out where nobody asks.
     let wanted = |metric| args.metric.is_none_or(|asked| asked == metric);
-    let flip = wanted(Metric::Flip).then(|| flip::compare(&a, &b)).transpose().map_err(named)?;
+    let flip = wanted(Metric::Flip).then(|| flip::compare(&a, &b));
     let hdr = wanted(Metric::HdrFlip) || args.exposure_map.is_some();
-    let hdr = hdr.then(|| exposed(&a, &b, console)).transpose().map_err(named)?;
+    let hdr = hdr.then(|| exposed(&a, &b, console));
+    // Who asked for everything gets everything else.
+    let spare = args.metric.is_none() && args.exposure_map.is_none();
+    let flip = flip.and_then(|found| unless_too_large(found, spare, console)).transpose().map_err(named)?;
+    let hdr = hdr.and_then(|found| unless_too_large(found, spare, console)).transpose().map_err(named)?;
     let mean = |map: Option<&flip::ErrorMap>| map.map_or(f64::NAN, flip::ErrorMap::mean);
     let values = [
         (Metric::Rmse, "rmse", m.rmse),
@@ -134,7 +138,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         (Metric::Differing, "differing", m.differing),
         (Metric::MeanRatio, "mean-ratio", m.mean_ratio),
     ];
-    let shown = values.iter().filter(|(metric, ..)| wanted(*metric));
+    // What was left out is NaN, which no other value is.
+    let shown = values.iter().filter(|(metric, _, value)| wanted(*metric) && !value.is_nan());
     match args.format {
         Format::Json => {
             let fields: Map<String, Value> = shown.map(|(_, name, value)| (name.to_string(), json!(value))).collect();
@@ -173,6 +178,17 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let Some(side) = above.or(below) else { return Ok(Outcome::Done) };
     console.note(format!("{name} is {value:.6e}, {side}"));
     Ok(Outcome::CheckFailed)
+}
+
+/// What was found; nothing but a warning if it takes too much memory and can be spared.
+fn unless_too_large<T>(found: Result<T>, spare: bool, console: &Console) -> Option<Result<T>> {
+    match found {
+        Err(error @ Error::TooLarge { .. }) if spare => {
+            console.warn(format!("left out: {error}"));
+            None
+        }
+        other => Some(other),
+    }
 }
 
 /// HDR-FLIP with a bar.

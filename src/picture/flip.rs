@@ -8,7 +8,7 @@
 pub mod hdr;
 
 use super::{Picture, metrics};
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// Pixels for each degree of the viewer's field: 3840 pixels over 0.7 m, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::consts::PI / 180.0;
@@ -28,6 +28,11 @@ const FEATURE_EXPONENT: f64 = 0.5;
 const SENSITIVITY: [&[(f64, f64)]; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 /// The largest of the widths `b` above sets the radius of all filters.
 const WIDEST: f64 = 0.04;
+
+/// Bytes for each pixel while two pictures are compared: planes of both before and after each filter.
+const PIXEL_BYTES: u64 = 256;
+/// Most bytes that a comparison takes: pictures of 2^25 pixels, such as 8192 x 4096.
+const MOST_BYTES: u64 = PIXEL_BYTES << 25;
 
 /// XYZ of linear Rec. 709 primaries with the white point D65, rows X, Y, Z.
 const RGB_TO_XYZ: [[f64; 3]; 3] = [
@@ -60,12 +65,30 @@ impl ErrorMap {
 /// Compares `test` with `reference`, both clamped to 0..1, at [`PIXELS_PER_DEGREE`].
 ///
 /// # Errors
-/// The sizes differ, the pictures are empty, or a pixel is not finite.
+/// The sizes differ, the pictures are empty, a pixel is not finite, or there are more than 2^25 pixels.
 pub fn compare(test: &Picture, reference: &Picture) -> Result<ErrorMap> {
-    metrics::check(test, reference)?;
+    check(test, reference)?;
     let size = Size::of(test);
     let [a, b] = [reference, test].map(|p| Seen::new(p.pixels.iter().map(|p| p.map(f64::from)), size));
     Ok(ErrorMap { width: test.width, height: test.height, errors: errors(&a, &b) })
+}
+
+/// Refuses pictures that cannot be compared, or that take too much memory.
+fn check(test: &Picture, reference: &Picture) -> Result<()> {
+    metrics::check(test, reference)?;
+    affordable(test.width, test.height)
+}
+
+fn affordable(width: u32, height: u32) -> Result<()> {
+    let wanted = (u64::from(width) * u64::from(height)).saturating_mul(PIXEL_BYTES);
+    if wanted > MOST_BYTES {
+        return Err(Error::TooLarge {
+            what: format!("FLIP of {width} x {height} pixels"),
+            wanted,
+            allowed: MOST_BYTES,
+        });
+    }
+    Ok(())
 }
 
 /// The error of each pixel.
@@ -236,5 +259,19 @@ fn redistribute(distance: f64, largest: f64) -> f64 {
         KNEE_VALUE / knee * distance
     } else {
         KNEE_VALUE + (distance - knee) / (largest - knee) * (1.0 - KNEE_VALUE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_pixels_are_refused_by_their_number_alone() {
+        assert!(affordable(8192, 4096).is_ok());
+        for (width, height) in [(8193, 4096), (u32::MAX, u32::MAX)] {
+            let message = affordable(width, height).expect_err("too large").to_string();
+            assert!(message.contains(&format!("FLIP of {width} x {height} pixels")), "{message}");
+        }
     }
 }

@@ -41,8 +41,8 @@ pub struct Options<'a> {
     pub threads: Option<usize>,
     /// Independent renders of ours against Mitsuba's mean, at least 2.
     pub replicates: u32,
-    /// Samples for each pixel in each of them. With 8 renders of 32, 0.3 % more albedo fails in the reference scenes
-    /// `cornell` and `textured`; with 16, 1 % fails in every scene tried and 0.3 % in `textured` only.
+    /// Samples for each pixel in each of them. With 8 renders of 32, 1 % more albedo fails in all twelve reference scenes, 0.3 %
+    /// in seven whatever the seed; docs/validation.md has the table.
     pub spp: u32,
     /// The comparisons within noise are repeated with so many further sets of renders, see [`Reseed`].
     pub reseeds: u32,

@@ -5,9 +5,9 @@
 //! just below white to the one that shows its median so. Tone mapper: the fit of ACES by Narkowicz, as in the paper. What
 //! the paper leaves open is as in the authors' own program: the upper one of two medians, a median of at least 2^-23.
 
-use super::{ErrorMap, Seen, Size, errors};
+use super::{ErrorMap, Seen, Size, check, errors};
 use crate::error::Result;
-use crate::picture::{Picture, metrics};
+use crate::picture::Picture;
 
 /// The tone mapper's `(a x + b) x` over `(c x + d) x + e`, its exposure of 0.6 multiplied into `x`.
 const NUMERATOR: [f64; 2] = [0.6 * 0.6 * 2.51, 0.6 * 0.03];
@@ -69,9 +69,9 @@ pub struct Comparison {
 /// Negative values, which the paper does not know, count as 0. Cost: that of [`super::compare`] for each exposure.
 ///
 /// # Errors
-/// The sizes differ, the pictures are empty, or a pixel is not finite.
+/// As [`super::compare`].
 pub fn compare(test: &Picture, reference: &Picture, progress: &dyn Fn(u32, u32)) -> Result<Comparison> {
-    metrics::check(test, reference)?;
+    check(test, reference)?;
     let exposures = Exposures::of(reference);
     let size = Size::of(test);
     let (mut largest, mut worst) = (vec![-1.0f32; test.pixels.len()], vec![0; test.pixels.len()]);

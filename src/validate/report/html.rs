@@ -100,9 +100,9 @@ fn power(page: &mut String, report: &Report) {
         let _ = write!(page, "<tr><td>{}</td>", escape(case));
         for cell in [
             first_seed.to_string(),
-            format!("{:.4}", v.chi2_p),
-            format!("{:.4}", v.max_p),
-            format!("{:.4}", v.global_p),
+            format!("{:.1e}", v.chi2_p),
+            format!("{:.1e}", v.max_p),
+            format!("{:.1e}", v.global_p),
         ] {
             let _ = write!(page, "<td class=\"number\">{cell}</td>");
         }

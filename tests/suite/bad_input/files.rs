@@ -3,7 +3,7 @@
 use super::{folder, shell, skipgrid, write};
 
 /// A command line for each thing that is read, with `FILE` in its place.
-const READERS: [(&str, &[&str]); 10] = [
+const READERS: [(&str, &[&str]); 11] = [
     ("x.glb", &["info", "FILE"]),
     ("x.obj", &["info", "FILE"]),
     ("x.toml", &["info", "FILE"]),
@@ -14,6 +14,7 @@ const READERS: [(&str, &[&str]); 10] = [
     ("x.npy", &["trace", "cornell", "--rays", "FILE", "--hits", "hits.npy"]),
     ("x.rays", &["trace", "cornell", "--rays", "FILE", "--hits", "hits.npy"]),
     ("x.exr", &["diff", "FILE", "FILE"]),
+    ("x.hdr", &["diff", "FILE", "FILE"]),
 ];
 
 fn each(folder: &std::path::Path, words: &str, code: i32, make: &str) {

@@ -54,16 +54,16 @@ fn one_picture_without_noise_is_compared_pixel_by_pixel() {
     let path = folder.join("a.exr");
     let good = picture(&scene, &settings(Integrator::Whitted, Sampler::Regular(2), 0));
     io::write(&path, &good, &Attributes::default()).expect("written");
-    let report = run(&scene, &theirs(Integrator::Whitted, &[path.clone()])).expect("it runs");
+    let report = run(&scene, &theirs(Integrator::Whitted, std::slice::from_ref(&path))).expect("it runs");
     assert!(report.passed() && report.equal_pictures == 1, "{report}");
     assert!(report.to_string().contains("theirs"), "{report}");
     let bright = Fault::Albedo(0.1).scene(&scene, 24);
-    let report = run(&bright, &theirs(Integrator::Whitted, &[path.clone()])).expect("it runs");
+    let report = run(&bright, &theirs(Integrator::Whitted, std::slice::from_ref(&path))).expect("it runs");
     assert!(!report.passed(), "{report}");
     let mut bad = good.clone();
     bad.pixels[7][1] = f32::NAN;
     io::write(&path, &bad, &Attributes::default()).expect("written");
-    let report = run(&scene, &theirs(Integrator::Whitted, &[path.clone()])).expect("it runs");
+    let report = run(&scene, &theirs(Integrator::Whitted, std::slice::from_ref(&path))).expect("it runs");
     assert!(!report.passed() && report.to_string().contains("1 pixels that are not finite"), "{report}");
 }
 
