@@ -68,6 +68,10 @@ pub(super) fn judge_deterministic(
     verdict.seconds = start.elapsed().as_secs_f64();
     let test = tiles::deterministic(&ours, theirs, limits);
     (verdict.passed, verdict.reasons) = (test.passed, test.reasons.clone());
+    let [most, theirs_most] = [&ours, theirs].map(|p| p.pixels.iter().flatten().copied().fold(0.0, f32::max));
+    if !test.passed && theirs_most == 1.0 && most > 1.0 {
+        verdict.reasons.push(format!("theirs ends at 1 while ours reaches {most}: PNG cuts off what EXR and PFM keep"));
+    }
     verdict.test = Some(Test::Deterministic(test));
     verdict.samples = u64::from(grid).pow(2);
     conclude(&mut verdict, ours, theirs.clone(), options);

@@ -60,6 +60,14 @@ fn one_picture_without_noise_is_compared_pixel_by_pixel() {
     let bright = Fault::Albedo(0.1).scene(&scene, 24);
     let report = run(&bright, &theirs(Integrator::Whitted, std::slice::from_ref(&path))).expect("it runs");
     assert!(!report.passed(), "{report}");
+    // What a PNG makes of a picture that goes beyond 1.
+    let mut glaring = scene.clone();
+    glaring.environment *= 20.0;
+    let mut cut = picture(&glaring, &settings(Integrator::Whitted, Sampler::Regular(2), 0));
+    cut.pixels.iter_mut().flatten().for_each(|v| *v = v.min(1.0));
+    io::write(&path, &cut, &Attributes::default()).expect("written");
+    let report = run(&glaring, &theirs(Integrator::Whitted, std::slice::from_ref(&path))).expect("it runs");
+    assert!(!report.passed() && report.to_string().contains("theirs ends at 1 while ours reaches 2:"), "{report}");
     let mut bad = good.clone();
     bad.pixels[7][1] = f32::NAN;
     io::write(&path, &bad, &Attributes::default()).expect("written");
