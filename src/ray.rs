@@ -106,15 +106,15 @@ impl Cell {
     }
 }
 
-/// The lesser of two numbers, neither a NaN: one instruction, where `f64::min` takes five.
+/// The lesser of two numbers, neither a NaN: one instruction, where `min` of the standard library takes five.
 #[inline(always)]
-pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+pub(crate) fn lesser<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
 /// The greater of two numbers, neither a NaN.
 #[inline(always)]
-pub(crate) fn greater(a: f64, b: f64) -> f64 {
+pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 

@@ -13,6 +13,7 @@
 
 use crate::geometry::Geometry;
 use crate::parallel;
+use crate::ray::{greater, lesser};
 use glam::Vec3;
 use std::hash::{BuildHasher, RandomState};
 
@@ -143,17 +144,6 @@ impl Table {
             }
         }
     }
-}
-
-/// Written so that it is one instruction; no coordinate is a NaN.
-#[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 #[cfg(test)]

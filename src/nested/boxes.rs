@@ -18,7 +18,7 @@
 use super::frame::LEAST;
 use super::lanes::{Lanes, Row, Vector};
 use super::sight::Entry;
-use super::step::most;
+use crate::ray::greater;
 use glam::Vec3A;
 
 /// A box: its least and its greatest corner.
@@ -72,7 +72,7 @@ impl<S: Lanes> BoxRay<S> {
             far: Vector::splat(sight.origin - aside),
             early: Vector::splat(inverse * EARLY),
             late: Vector::splat(inverse * LATE),
-            begin: S::splat(most(sight.begin[0], 0.0)),
+            begin: S::splat(greater(sight.begin[0], 0.0)),
             octant: sign.is_negative_bitmask() as usize,
         }
     }

@@ -58,7 +58,7 @@ impl<Src: Source> Plan<'_, Src> {
         let Part { top, .. } = part;
         let half = self.frame.half;
         let density = self.settings.density.unwrap_or_else(|| fill::density(self.boxes, self.members));
-        top.cut(half, fill::resolution(half, density * self.members.len() as f64));
+        top.cut(half, fill::resolution(half.to_array(), density * self.members.len() as f64));
         self.place(top, shop)?;
         let occupied = shop.start.windows(2).map(|pair| pair[0] < pair[1]);
         free_cubes(top.cells.map(|n| n as usize), occupied, &mut top.free);

@@ -7,6 +7,7 @@
 //! Chosen by the time of rays through 26 scenes, out of 0.0002 to 0.6 cells for each primitive: within a factor of three of these numbers the
 //! mean changes by a few hundredths.
 
+use super::split::ENOUGH;
 use crate::ray::Aabb;
 use glam::DVec3;
 
@@ -14,9 +15,6 @@ use glam::DVec3;
 const SURFACES: f64 = 0.001;
 const CLOUDS: f64 = 0.03;
 const OVERLAPPING: f64 = 0.07;
-
-/// So many primitives tell how all of them lie.
-const ENOUGH: usize = 1 << 15;
 
 /// Cells of the grid on top for each of the primitives `members` of a part. Boxes are by index.
 ///

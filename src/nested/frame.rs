@@ -18,7 +18,6 @@
 
 use super::exact::Known;
 use super::sight::{Course, Entry, SLACK, Sight, around};
-use super::step::{least, most};
 use crate::accel::nearer;
 use crate::ray::{Aabb, Ray, greater, lesser};
 use glam::{DVec3, Vec3, Vec3A};
@@ -51,12 +50,11 @@ pub(super) struct Frame {
     /// Part's units for each world unit: a power of two.
     pub scale: f64,
     /// The box reaches from minus this to this; the greatest component is 0.5 to 1. No primitive is within 2^-11 of its faces.
-    pub half: [f32; 3],
-    /// The centre, the scale and the half once more, for rays that start within `near`.
+    pub half: Vec3A,
+    /// The centre and the scale once more, for rays that start within `near`.
     middle: Vec3A,
     unit: f32,
     world: f32,
-    room: Vec3A,
     near: f32,
 }
 
@@ -73,7 +71,6 @@ pub(super) enum Start {
 
 /// A direction as parts see it.
 struct Heading {
-    direction: Vec3A,
     inverse: Vec3A,
     sign: Vec3A,
     size: Vec3A,
@@ -105,11 +102,10 @@ impl Frame {
         Self {
             centre,
             scale,
-            half: half.to_array(),
+            half: half.into(),
             middle: middle.into(),
             unit,
             world: 1.0 / unit,
-            room: half.into(),
             near: if usual { NEAR } else { -1.0 },
         }
     }
@@ -161,24 +157,19 @@ impl Frame {
     /// Where `ray`, which comes from [`Ray::intake`], enters the box at parameters before those of `winner`, if there is one.
     #[inline(always)]
     pub fn enter(&self, ray: &Ray, winner: Option<Known>) -> Start {
-        let gate = match self.near(ray) {
-            Gate::At(at) => at,
-            Gate::Miss => return Start::Miss,
+        let mut entry = match self.near(ray) {
+            Start::Inside(entry) => entry,
+            Start::Miss => return Start::Miss,
             // What is not inlined takes nothing by reference that is in registers here.
-            _ => match self.afar(ray) {
-                Gate::At(at) => at,
-                Gate::Miss => return Start::Miss,
-                Gate::TooFar => return Start::TooFar,
+            Start::TooFar => match self.afar(ray) {
+                Start::Inside(entry) => entry,
+                other => return other,
             },
         };
-        let Heading { direction, inverse, sign, size } = gate.heading;
-        let At { at: origin, end, shift, seen, fuzz, rate, begin, finish, apart, .. } = gate;
-        let sight = Sight { origin: seen, direction, fuzz, rate, begin, end: finish, apart };
-        let mut entry = Entry { origin, inverse, sign, size, end: end + SLACK, shift, sight };
         if let Some(Known { lower, upper, .. }) = winner {
             let ([sure, _], [_, end]) = (entry.around(lower), entry.around(upper));
-            entry.sight.end = [least(entry.sight.end[0], sure), least(entry.sight.end[1], end)];
-            entry.end = least(entry.end, entry.walked(entry.sight.end[1]));
+            entry.sight.end = [lesser(entry.sight.end[0], sure), lesser(entry.sight.end[1], end)];
+            entry.end = lesser(entry.end, entry.walked(entry.sight.end[1]));
             if entry.end < 0.0 {
                 return Start::Miss;
             }
@@ -186,13 +177,13 @@ impl Frame {
         Start::Inside(entry)
     }
 
-    /// A ray that starts within [`SEEING`] and has no part before that, in f32; [`Gate::TooFar`] of others that do not certainly miss.
+    /// A ray that starts within [`NEAR`], in f32; [`Start::TooFar`] of others that do not certainly miss.
     ///
     /// Where the ray enters and leaves need not be known well, as long as the point there is: there is a margin of 2^-11 around the
     /// primitives. In f32 and for origins within [`NEAR`], distances from faces over components are off by `4 e NEAR` of the
     /// part, and [`LEAST`] in the place of a smaller component moves the ray by `NEAR e / 4`: 2^-13 in all.
     #[inline(always)]
-    fn near(&self, ray: &Ray) -> Gate {
+    fn near(&self, ray: &Ray) -> Start {
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
         let (from, seen) = ((origin - self.middle) * self.unit, origin * self.unit);
         // The greatest power of two in the direction.
@@ -204,40 +195,44 @@ impl Frame {
         let course = direction * shrink;
         let distance = from.abs().max_element();
         if !(usual & (distance <= self.near)) {
-            return Gate::TooFar;
+            return Start::TooFar;
         }
         let (heading, rate) = (Heading::new(course), self.unit * grow);
         let ahead = from * heading.sign;
-        let (low, high) = ((-self.room - ahead) * heading.inverse, (self.room - ahead) * heading.inverse);
+        let (low, high) = ((-self.half - ahead) * heading.inverse, (self.half - ahead) * heading.inverse);
         let (begin, finish) = (ray.t_min * rate, ray.t_max * rate);
-        let start = most(low.max_element(), begin);
-        let end = least(high.min_element(), finish);
+        let start = greater(low.max_element(), begin);
+        let leave = high.min_element();
+        let end = lesser(leave, finish);
         if start > end {
-            return Gate::Miss;
+            return Start::Miss;
         }
         // Units change exactly, but where numbers are too small.
         let exact = (seen * self.world).cmpeq(origin) & (course * grow).cmpeq(direction);
         if !((distance <= SEEING) & (begin >= 0.0) & exact.all()) {
-            return Gate::TooFar;
+            return self.outside(ray, start, leave);
         }
-        Gate::At(At {
-            at: from + start * heading.direction,
-            heading,
-            end: end - start,
-            shift: start,
-            seen,
-            fuzz: 0.0,
-            rate,
-            begin: [begin; 2],
-            finish: [finish; 2],
-            apart: None,
-        })
+        let (begin, end_p) = ([begin; 2], [finish; 2]);
+        let sight = Sight { origin: seen, direction: course, fuzz: 0.0, rate, begin, end: end_p, apart: None };
+        Start::Inside(heading.entry(from + start * course, end - start, start, sight))
+    }
+
+    /// A ray that enters the box at a `start` and leaves it at `leave`, known as in [`Frame::near`], and is not seen from its own origin.
+    ///
+    /// The point at `start` is that of f64: it is off by `u NEAR`, with `u = 2^-53`, and by its rounding to f32.
+    #[inline(never)]
+    fn outside(&self, ray: &Ray, start: f32, leave: f32) -> Start {
+        let (origin, scaled) = (self.local(ray.origin.as_dvec3()), ray.direction.as_dvec3() * self.scale);
+        let (course, rate) = halved(scaled);
+        let from = Departure { origin, course, rate, moved: 0.0, slack: 0.0 };
+        // `finish` is none too early, and where the ray leaves the box is not of interest to 2^-13.
+        self.depart(ray, &from, start.into(), (leave - start).into())
     }
 
     /// Any other ray, in f64.
     #[cold]
     #[inline(never)]
-    fn afar(&self, ray: &Ray) -> Gate {
+    fn afar(&self, ray: &Ray) -> Start {
         let origin = self.local(ray.origin.as_dvec3());
         if origin.abs().max_element() <= FAR {
             return self.afar_moved(origin, ray, 0.0);
@@ -246,11 +241,11 @@ impl Frame {
         let origin = origin * self.scale;
         let size = origin.abs().max_element();
         if origin[axis].abs() > 4.0 && size > FAR {
-            return Gate::TooFar;
+            return Start::TooFar;
         }
         // Beside the box while it is level with it: along no other axis does it move faster.
         if size > 16.0 {
-            return if origin[axis].abs() <= 4.0 { Gate::Miss } else { self.afar_moved(origin, ray, moved) };
+            return if origin[axis].abs() <= 4.0 { Start::Miss } else { self.afar_moved(origin, ray, moved) };
         }
         self.afar_moved(origin, ray, moved)
     }
@@ -259,13 +254,8 @@ impl Frame {
     ///
     /// With `u = 2^-53`, the origin in the part's coordinates is off by `2 u FAR`, and so are the parameters of entry and exit,
     /// up to a factor of 8: 2^-29 in all, against the margin of 2^-11.
-    fn afar_moved(&self, origin: DVec3, ray: &Ray, moved: f64) -> Gate {
-        let direction = ray.direction.as_dvec3() * self.scale;
-        let size = direction.abs();
-        // Twice the greatest power of two in it; never subnormal, as f32 has at least 2^-149 and scales are above 2^-130.
-        let bits = size.max_element().to_bits() & !((1 << 52) - 1);
-        let rate = f64::from_bits(bits + (1 << 52));
-        let course = direction * f64::from_bits((2045 << 52) - bits);
+    fn afar_moved(&self, origin: DVec3, ray: &Ray, moved: f64) -> Start {
+        let (course, rate) = halved(ray.direction.as_dvec3() * self.scale);
         // More than the rounding of a difference with `moved`.
         let slack = 4.0 * f64::EPSILON * moved.abs() * rate;
         let mut start = (f64::from(ray.t_min) - moved) * rate - slack;
@@ -274,7 +264,7 @@ impl Frame {
             let (o, d, half) = (origin[axis], course[axis], f64::from(self.half[axis]));
             if d == 0.0 {
                 if o.abs() >= half {
-                    return Gate::Miss;
+                    return Start::Miss;
                 }
                 continue;
             }
@@ -283,23 +273,27 @@ impl Frame {
             end = lesser(greater(a, b), end);
         }
         if start > end {
-            return Gate::Miss;
+            return Start::Miss;
         }
+        self.depart(ray, &Departure { origin, course, rate, moved, slack: 2.0 * slack }, start, end - start)
+    }
+
+    /// The ray as seen from where it enters the box, at the parameter `start` of its course, to be left `inside` further on.
+    #[inline(always)]
+    fn depart(&self, ray: &Ray, from: &Departure, start: f64, inside: f64) -> Start {
+        let Departure { origin, course, rate, moved, slack } = *from;
         let at = origin + start * course;
         let seen = (at + self.centre * self.scale).as_vec3();
-        let slack = 2.0 * slack;
         let p = |t: f32| around((f64::from(t) - moved) * rate - start, slack);
-        Gate::At(At {
-            at: at.as_vec3a(),
-            heading: Heading::new(course.as_vec3a()),
-            end: (end - start) as f32,
-            shift: 0.0,
-            seen: seen.into(),
+        let (heading, finish) = (Heading::new(course.as_vec3a()), p(ray.t_max));
+        let sight = Sight {
+            origin: seen.into(),
+            direction: course.as_vec3a(),
             // Half a unit in the last place, and more than f64's rounding.
             fuzz: (seen.abs().max_element() + 0.25) * f32::EPSILON * 0.5,
             rate: 0.0,
             begin: p(ray.t_min),
-            finish: p(ray.t_max),
+            end: finish,
             apart: Some(Course {
                 origin: ray.origin.as_dvec3() * self.scale,
                 direction: course,
@@ -309,33 +303,26 @@ impl Frame {
                 rate,
                 slack,
             }),
-        })
+        };
+        Start::Inside(heading.entry(at.as_vec3a(), lesser(inside as f32, finish[1]), 0.0, sight))
     }
 }
 
-/// Whether and how a ray meets a part's box.
-#[allow(clippy::large_enum_variant, reason = "taken apart where it is returned")]
-enum Gate {
-    Miss,
-    /// It starts too far away to tell.
-    TooFar,
-    At(At),
+/// A direction over the power of two that brings its greatest component to 0.5 to 1, and that power.
+#[inline(always)]
+fn halved(direction: DVec3) -> (DVec3, f64) {
+    // Never subnormal, as f32 has at least 2^-149 and scales are above 2^-130.
+    let bits = direction.abs().max_element().to_bits() & !((1 << 52) - 1);
+    (direction * f64::from_bits((2045 << 52) - bits), f64::from_bits(bits + (1 << 52)))
 }
 
-/// A ray where it enters a box.
-struct At {
-    at: Vec3A,
-    heading: Heading,
-    /// At or beyond the `s` of its end or where it leaves.
-    end: f32,
-    /// The rest is as in [`Entry`] and [`Sight`].
-    shift: f32,
-    seen: Vec3A,
-    fuzz: f32,
-    rate: f32,
-    begin: [f32; 2],
-    finish: [f32; 2],
-    apart: Option<Course>,
+/// A ray that is not seen from its own origin: in the part's coordinates, and moved by a parameter.
+struct Departure {
+    origin: DVec3,
+    course: DVec3,
+    rate: f64,
+    moved: f64,
+    slack: f64,
 }
 
 impl Heading {
@@ -343,7 +330,14 @@ impl Heading {
     #[inline(always)]
     fn new(direction: Vec3A) -> Self {
         let size = direction.abs().max(Vec3A::splat(LEAST));
-        Self { direction, inverse: Vec3A::ONE / size, sign: Vec3A::ONE.copysign(direction), size }
+        Self { inverse: Vec3A::ONE / size, sign: Vec3A::ONE.copysign(direction), size }
+    }
+
+    /// The entry of a ray that is in the part from a point on and leaves it, or ends, `inside` further on.
+    #[inline(always)]
+    fn entry(self, at: Vec3A, inside: f32, shift: f32, sight: Sight) -> Entry {
+        let Self { inverse, sign, size } = self;
+        Entry { origin: at, inverse, sign, size, end: inside + SLACK, shift, sight }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::crowd::Wall;
 use super::lanes::{Lanes, Vector};
 use super::sight::Sight;
+use super::spheres::SpherePack;
 use crate::geometry::NO_PRIM;
 
 /// A ray as packs see it, in registers.
@@ -16,8 +17,10 @@ pub(super) struct PackRay<S> {
     pub least: S,
     /// At or beyond it: what is met beyond this is in the ray's range for certain.
     pub begin: S,
-    /// The inverse squared length of the direction, for packs that say they want it.
+    /// The inverse squared length of the direction, and [`SpherePack::wider`]: for spheres alone.
     pub inverse_square: S,
+    pub wider: S,
+    pub nearer: S,
     /// 0 if the ray has no part before its origin, else minus infinity.
     pub ahead: S,
 }
@@ -26,13 +29,21 @@ impl<S: Lanes> PackRay<S> {
     /// Spreads the ray over lanes.
     #[inline(always)]
     pub fn new<K: Pack>(sight: &Sight) -> Self {
+        let [inverse_square, wider, nearer] = if K::SPHERES {
+            let [wider, nearer] = SpherePack::wider(sight.fuzz);
+            [1.0 / sight.direction.length_squared(), wider, nearer]
+        } else {
+            [1.0; 3]
+        };
         Self {
             origin: Vector::splat(sight.origin),
             direction: Vector::splat(sight.direction),
             fuzz: S::splat(sight.fuzz),
             least: S::splat(sight.begin[0]),
             begin: S::splat(sight.begin[1]),
-            inverse_square: S::splat(if K::SQUARE { 1.0 / sight.direction.length_squared() } else { 1.0 }),
+            inverse_square: S::splat(inverse_square),
+            wider: S::splat(wider),
+            nearer: S::splat(nearer),
             ahead: S::splat(if sight.begin[1] >= 0.0 { 0.0 } else { f32::NEG_INFINITY }),
         }
     }
@@ -91,8 +102,8 @@ pub(super) trait Pack: Clone + Send + Sync {
     /// False if nothing is ever certain.
     const CERTAIN: bool = true;
 
-    /// True if it wants [`PackRay::inverse_square`].
-    const SQUARE: bool = false;
+    /// True if it is one of spheres: these want three numbers more of a ray.
+    const SPHERES: bool = false;
 
     /// Looks for hits at a `p` of at most `end`.
     fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S>;

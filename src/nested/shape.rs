@@ -104,7 +104,7 @@ impl Default for Top {
 
 impl Top {
     /// A grid of one cell.
-    pub fn one(half: [f32; 3], slot: Slot) -> Self {
+    pub fn one(half: Vec3A, slot: Slot) -> Self {
         let free = vec![if slot.count > 0 { 0 } else { u8::MAX }; 8];
         let mut top = Self { free, slots: vec![slot], ..Self::default() };
         top.cut(half, [1; 3]);
@@ -112,9 +112,9 @@ impl Top {
     }
 
     /// Sets the sizes of cells.
-    pub fn cut(&mut self, half: [f32; 3], cells: [u32; 3]) {
+    pub fn cut(&mut self, half: Vec3A, cells: [u32; 3]) {
         let count = Vec3A::from(cells.map(|n| n as f32));
-        self.half = half.into();
+        self.half = half;
         (self.cell, self.per_unit) = (2.0 * self.half / count, count / (2.0 * self.half));
         (self.cells, self.last) = (cells, count - 1.0);
     }

@@ -16,6 +16,9 @@ use glam::{DVec3, Vec3};
 /// product and difference, in all less than `12 e K + 2 f`. So where the ray meets the sphere, `g^2 <= (r + 12 e K + 2 f)^2 + 3 q^2`, but for the
 /// rounding of these squares, `8 e` of themselves. `R` is the radius with that added: [`WIDER`], [`NEARER`].
 ///
+/// Most spheres are far from the ray, so a first look asks less: `K` is below 5, as rays start within four halves of the part or in it, and radii
+/// are below 1. With that in the place of `K` and `r` only the radius itself is loaded; what is left is looked at as above.
+///
 /// What the inflation, the true line's place and rounding change of `R^2 - g^2` is below `4 R (12 e K + 2 f + 4 e R) + 8 e R^2 + 6 q^2`. Where `R^2 - g^2` is above
 /// a sixteenth of `R^2` and `R` above [`SMALL`] `K + 192 f`, half the chord is `R / 4` or longer, so it is off by four times that over `R`: less than `(192 e K + 32 f + 96 e R) +
 /// (130 e K + 30 f)`. With the rounding of `m` and of the sum, [`CHORD`] `(K + R)` and `96 f` bound the error of the hit's parameter; and the sphere
@@ -39,6 +42,9 @@ pub(super) struct SpherePack {
 const E: f32 = 1.0 / 16_777_216.0;
 const WIDER: f32 = 16.0 * E;
 const NEARER: f32 = 128.0 * E;
+/// The greatest distance from the ray's origin along an axis, and the greatest radius.
+const MOST: f32 = 5.0;
+const LARGEST: f32 = 1.0;
 const SMALL: f32 = 1536.0 * E;
 const CHORD: f32 = 512.0 * E;
 const OUTSIDE: f32 = 28.0 * E;
@@ -49,6 +55,13 @@ const SPECK: f32 = 1e-15;
 const DOUBLE: f64 = 1.0 / (1 << 29) as f64;
 
 impl SpherePack {
+    /// What is added to any radius at a first look, of a ray whose origin is off by `fuzz`, and to its square.
+    #[inline(always)]
+    pub fn wider(fuzz: f32) -> [f32; 2] {
+        let off = 24.0 * fuzz + MOST * NEARER;
+        [2.0 * fuzz + (MOST + LARGEST) * WIDER, off * off + TINY]
+    }
+
     /// At most eight spheres, as index, centre and radius.
     pub fn new(spheres: impl Iterator<Item = (u32, Vec3, f32)>) -> Self {
         let none = Row([0.0; 8]);
@@ -66,7 +79,7 @@ impl SpherePack {
 }
 
 impl Pack for SpherePack {
-    const SQUARE: bool = true;
+    const SPHERES: bool = true;
 
     #[inline(always)]
     fn look<S: Lanes>(&self, ray: &PackRay<S>, end: S) -> Seen<S> {
@@ -75,19 +88,21 @@ impl Pack for SpherePack {
         let along = c.dot(&ray.direction);
         let m = along * ray.inverse_square;
         let g = c.less_by(m, &ray.direction);
-        let away = c.size();
-        let radius = S::of(&self.radius);
+        let (beside, radius) = (g.dot(&g), S::of(&self.radius));
         // Minus infinity stays what it is.
-        let wide = (radius + two * ray.fuzz).plus_product(away + radius, S::splat(WIDER));
-        let off = (S::splat(24.0) * ray.fuzz).plus_product(away, S::splat(NEARER));
-        let tiny = S::splat(TINY);
-        let square = (wide * wide.abs()).plus_product(off, off) + tiny;
-        let within = square - g.dot(&g);
-        let misses = within.less(zero);
+        let wide = radius + ray.wider;
+        let misses = ray.nearer.plus_product(wide, wide.abs()).less(beside);
         let left = !S::bits(misses) & 0xff;
         if left == 0 {
             return Seen::nothing();
         }
+        let away = c.size();
+        let wide = (radius + two * ray.fuzz).plus_product(away + radius, S::splat(WIDER));
+        let off = (S::splat(24.0) * ray.fuzz).plus_product(away, S::splat(NEARER));
+        let tiny = S::splat(TINY);
+        let square = (wide * wide.abs()).plus_product(off, off) + tiny;
+        let within = square - beside;
+        let misses = within.less(zero);
         let chord = (within.max(zero) * ray.inverse_square).sqrt();
         let bound = (S::splat(96.0) * ray.fuzz + S::splat(SPECK)).plus_product(away + wide, S::splat(CHORD));
         let outside = c.dot(&c) - radius * radius;
@@ -95,7 +110,7 @@ impl Pack for SpherePack {
         let unsure = unsure.plus_product(radius * radius, S::splat(4.0 * E)) + tiny;
         let sideways = (S::splat(4.0) * ray.fuzz + tiny).plus_product(away, S::splat(12.0 * E));
         let receding = unsure.less(outside) & (along + sideways).less(ray.ahead);
-        let out_of_range = receding | end.less(m - chord - bound) | (m + chord + bound).less(ray.least);
+        let out_of_range = misses | receding | end.less(m - chord - bound) | (m + chord + bound).less(ray.least);
         let small = (S::splat(192.0) * ray.fuzz + S::splat(SPECK)).plus_product(away, S::splat(SMALL));
         Seen {
             survivors: left & !S::bits(out_of_range),

@@ -128,8 +128,8 @@ impl Probe {
     const UNBRIDGED: Probe = Probe { cells: 32, unbridged: true, object: 1.0 / 256.0, together: 1.0 / 64.0 };
 }
 
-/// So many primitives are enough to see what is connected.
-const ENOUGH: usize = 1 << 15;
+/// So many primitives are enough to see what is connected, and how all of them lie.
+pub(super) const ENOUGH: usize = 1 << 15;
 
 /// What is connected in a coarse grid, small beside it and rich in primitives; nothing if that is not much of it all.
 ///

@@ -4,6 +4,7 @@
 
 use super::shape::Top;
 use super::sight::Entry;
+use crate::ray::lesser;
 use glam::Vec3A;
 
 /// A cell of the grid on top, and where the ray leaves it. A plane is crossed at its number times the pace less the base.
@@ -72,7 +73,7 @@ impl Place {
         for a in 0..3 {
             exits[a] = self.crossing[a] + (edge - 1.0) * self.pace[a];
         }
-        let exit = least(exits[0], least(exits[1], exits[2]));
+        let exit = lesser(exits[0], lesser(exits[1], exits[2]));
         *s = exit;
         let mut outside = 0;
         for a in 0..3 {
@@ -80,7 +81,7 @@ impl Place {
             // product may round to a plane that is crossed just behind the exit, or not to one just before it: by rounding of the
             // crossing, which the padding allows for.
             let beyond = (exit - self.crossing[a]) * self.planes[a];
-            let within = if beyond < 0.0 { 0.0 } else { least(beyond + 0.5, edge - 1.0) };
+            let within = if beyond < 0.0 { 0.0 } else { lesser(beyond + 0.5, edge - 1.0) };
             let shifted = if exits[a] == exit { edge } else { within } + SHIFT;
             let (crossed, number) = (shifted - SHIFT, number(shifted));
             self.plane[a] += crossed;
@@ -100,16 +101,4 @@ const SHIFT: f32 = 8_388_608.0;
 #[inline(always)]
 fn number(shifted: f32) -> i32 {
     (shifted.to_bits() & 0x007f_ffff) as i32
-}
-
-/// The lesser one, neither a NaN: one instruction.
-#[inline(always)]
-pub(super) fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The greater one.
-#[inline(always)]
-pub(super) fn most(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

@@ -22,9 +22,9 @@ pub fn variants(solid: bool) -> Vec<String> {
     for planes in ["sah", "oblique"] {
         specs.extend(["leaf=1", "listing=segment"].iter().map(|o| format!("bsp:planes={planes},{o}")));
     }
-    let nested =
-        ["quality=fast", "quality=best", "below=nodes", "isa=portable", "isa=portable,below=nodes,quality=best"];
+    let nested = ["quality=fast", "quality=best,density=0", "density=3", "below=nodes", "isa=portable"];
     specs.extend(nested.map(|o| format!("nested:{o}")));
+    specs.push("nested:isa=portable,below=nodes,quality=best".into());
     specs.push("grid-dual:resolution=64,lane=255,threshold=1".into());
     specs.push("grid-dsz:density=30,mailbox=on".into());
     if solid {

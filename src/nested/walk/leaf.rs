@@ -7,7 +7,7 @@ use crate::nested::exact::Known;
 use crate::nested::lanes::{Lanes, Row};
 use crate::nested::pack::{Pack, Seen, Verdict};
 use crate::nested::shape::{Part, Slot};
-use crate::nested::step::least;
+use crate::ray::lesser;
 
 /// More than the rounding of a parameter to f32, relative to it.
 const EASE: f64 = 1.0 / (1 << 23) as f64;
@@ -137,7 +137,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXAC
                     // Before all that was met so far: the winner, whose exact parameter can wait.
                     (self.pending, self.limit, self.sure) = (Some((pack, lane)), to, from);
                     self.winner = prim;
-                    self.end = least(self.end, self.entry.walked(self.limit));
+                    self.end = lesser(self.end, self.entry.walked(self.limit));
                     continue;
                 }
                 if from > self.limit {
@@ -169,7 +169,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXAC
                 (self.pending, self.limit, self.found) = (Some((pack, lane)), p[lane], true);
             }
         }
-        self.end = least(self.end, self.entry.walked(self.limit));
+        self.end = lesser(self.end, self.entry.walked(self.limit));
         self.any && self.found
     }
 
@@ -238,9 +238,9 @@ impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXAC
     fn know(&mut self, known: Option<Known>) {
         if let Some(Known { prim, lower, upper }) = known {
             (self.found, self.winner) = (true, prim);
-            self.limit = least(self.limit, self.entry.around(upper)[1]);
-            self.sure = least(self.sure, self.entry.around(lower)[0]);
-            self.end = least(self.end, self.entry.walked(self.limit));
+            self.limit = lesser(self.limit, self.entry.around(upper)[1]);
+            self.sure = lesser(self.sure, self.entry.around(lower)[0]);
+            self.end = lesser(self.end, self.entry.walked(self.limit));
         }
     }
 }

@@ -11,11 +11,11 @@ use super::lanes::{Lanes, Portable};
 use super::pack::{Pack, PackRay};
 use super::shape::{AnyPart, Part, Shape};
 use super::sight::Entry;
-use super::step::{Place, least};
+use super::step::Place;
 use super::tree;
 use crate::accel::{Counts, Probe};
 use crate::geometry::NO_PRIM;
-use crate::ray::Ray;
+use crate::ray::{Ray, lesser};
 use glam::Vec3A;
 
 /// How the trace of a ray ended.
@@ -187,7 +187,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXAC
             let [x, y, z] = at.crossing;
             let distance = free[at.cell as usize];
             if distance == 0 {
-                let out = least(x, least(y, z));
+                let out = lesser(x, lesser(y, z));
                 if self.visit(top.slots[at.cell as usize], s, out, &mut stack) != Next::Cell {
                     return;
                 }

@@ -6,7 +6,7 @@ use crate::accel::Probe;
 use crate::nested::lanes::{Lanes, Row};
 use crate::nested::pack::Pack;
 use crate::nested::shape::{Node, Slot};
-use crate::nested::step::{least, most};
+use crate::ray::{greater, lesser};
 
 impl<S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'_, S, K, P, EXACT> {
     /// What a cell of the grid holds, which the ray crosses from `near` to `far`: packs, or nodes, front to back.
@@ -53,11 +53,11 @@ impl<S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'_, S, K, P, EXACT> {
             let cell = inner.cells.trailing_zeros() as usize;
             inner.cells &= inner.cells - 1;
             let (x, y, z) = (cell & 3, cell >> 2 & 3, cell >> 4 & 3);
-            near = most(axes[0].0[x], most(axes[1].0[y], axes[2].0[z]));
+            near = greater(axes[0].0[x], greater(axes[1].0[y], axes[2].0[z]));
             if near > self.end {
                 return Next::Part;
             }
-            far = least(axes[0].0[x + 4], least(axes[1].0[y + 4], axes[2].0[z + 4]));
+            far = lesser(axes[0].0[x + 4], lesser(axes[1].0[y + 4], axes[2].0[z + 4]));
             let below = node.mask & ((1 << (cell ^ flip)) - 1);
             slot = self.part.slots[node.base as usize + below.count_ones() as usize];
         }
