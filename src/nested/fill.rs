@@ -52,12 +52,18 @@ pub(super) fn density(boxes: &[Aabb], members: &[u32]) -> f64 {
     }
 }
 
-/// Cubic cells, `wanted` of them; an axis shorter than one gets one.
+/// Cubic cells, `wanted` of them; an axis shorter than one gets one, and the others share them.
 pub(super) fn resolution(half: [f32; 3], wanted: f64) -> [u32; 3] {
     const MOST: f64 = 512.0;
-    let volume: f64 = half.iter().map(|&h| 2.0 * f64::from(h)).product();
-    let edge = (volume / wanted.max(1.0)).cbrt();
-    half.map(|h| (2.0 * f64::from(h) / edge).round().clamp(1.0, MOST) as u32)
+    let sides = half.map(|h| 2.0 * f64::from(h));
+    let mut longer = [true; 3];
+    let edge = loop {
+        let cut = || (0..3).filter(|&a| longer[a]);
+        let edge = (cut().map(|a| sides[a]).product::<f64>() / wanted.max(1.0)).powf(1.0 / cut().count() as f64);
+        let Some(flat) = cut().find(|&a| sides[a] < edge && cut().count() > 1) else { break edge };
+        longer[flat] = false;
+    };
+    [0, 1, 2].map(|a| if longer[a] { (sides[a] / edge).round().clamp(1.0, MOST) as u32 } else { 1 })
 }
 
 #[cfg(test)]
@@ -69,6 +75,19 @@ mod tests {
     fn density_of(points: impl Iterator<Item = Vec3>, size: f32) -> f64 {
         let boxes: Vec<Aabb> = points.map(|p| Aabb { min: p, max: p + size }).collect();
         density(&boxes, &(0..boxes.len() as u32).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn flat_boxes_have_no_more_cells_than_cubes() {
+        for (half, wanted, expected) in [
+            ([1.0, 1.0, 1.0], 27.0, [3, 3, 3]),
+            ([1.0, 1.0, 1.0 / 128.0], 1.0, [1, 1, 1]),
+            ([1.0, 1.0, 1.0 / 128.0], 100.0, [10, 10, 1]),
+            ([1.0, 1.0 / 128.0, 1.0 / 128.0], 50.0, [50, 1, 1]),
+            ([1.0, 0.5, 0.25], 1e12, [512, 512, 512]),
+        ] {
+            assert_eq!(resolution(half, wanted), expected, "{half:?}, {wanted}");
+        }
     }
 
     #[test]

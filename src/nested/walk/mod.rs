@@ -2,6 +2,8 @@
 
 mod leaf;
 mod nodes;
+#[cfg(test)]
+mod tests;
 
 use super::boxes::BoxRay;
 use super::crowd;
