@@ -54,6 +54,14 @@ impl Place {
         }
     }
 
+    /// The cell of a grid that has no other, which is left at `end`.
+    #[inline(always)]
+    pub fn only(end: f32) -> Self {
+        let none = [0.0; 3];
+        let (crossing, pace) = ([end; 3], none);
+        Self { cell: 0, crossing, plane: none, pace, planes: none, base: none, stride: [0; 3], left: [0; 3] }
+    }
+
     /// To the next cell along an axis, and `s` to where it begins; false outside the grid.
     #[inline(always)]
     pub fn step<const A: usize>(&mut self, s: &mut f32) -> bool {

@@ -153,7 +153,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXAC
             exact,
             probe,
             ray: PackRay::new::<K>(&entry.sight),
-            boxes: BoxRay::new(entry),
+            boxes: if part.boxes.is_empty() { BoxRay::unused() } else { BoxRay::new(entry) },
             groups: [Group::default(); GROUPS],
             origin: entry.origin * entry.sign,
             octant: entry.sign.is_negative_bitmask() as usize,
@@ -181,7 +181,10 @@ impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXAC
         let top = &self.part.top;
         let count = top.slots.len();
         let free = &top.free[self.octant * count..][..count];
-        let mut at = Place::new(top, self.origin, self.entry, self.octant);
+        let mut at = match count {
+            1 => Place::only(self.end),
+            _ => Place::new(top, self.origin, self.entry, self.octant),
+        };
         let mut s = 0.0;
         let mut stack = [Waiting::default(); DEPTH];
         loop {
