@@ -4,6 +4,7 @@
 pub mod accel;
 #[path = "../adapters/accel/mod.rs"]
 pub mod adapters;
+pub mod auto;
 #[cfg(feature = "cli")]
 pub mod bench;
 pub mod bsp;

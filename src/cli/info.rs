@@ -2,9 +2,10 @@
 
 use super::Outcome;
 use super::console::{Console, Format};
-use super::input::{DEFAULT_ACCEL, SceneArgs};
+use super::input::{DEFAULT_ACCEL, SceneArgs, choose, usual_rays};
 use super::table::{Table, short};
 use crate::accel::Accel;
+use crate::auto::Choice;
 use crate::error::Result;
 use crate::ray::Aabb;
 use crate::scene::{Bsdf, CameraSource, Light, Scene, SceneGeometry};
@@ -14,7 +15,9 @@ use std::time::Instant;
 
 /// Show primitives, extent, camera, materials and lights of a scene, and size and build time of an accelerator
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  skipgrid info room.glb\n  skipgrid info random:n=10000 --accel grid:density=4")]
+#[command(
+    after_help = "Examples:\n  skipgrid info room.glb\n  skipgrid info random:n=10000 --accel grid:density=4\n  skipgrid info room.glb --rays 1e9"
+)]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
@@ -23,9 +26,18 @@ pub struct Args {
     #[arg(long, value_name = "A", default_value = DEFAULT_ACCEL)]
     accel: String,
 
+    /// Rays that `auto` is to reckon with; default: as `render` would send without options
+    #[arg(long, value_name = "N", value_parser = parse_rays)]
+    rays: Option<f64>,
+
     /// Form of the answer
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+}
+
+/// A number of rays, at least 0.
+fn parse_rays(text: &str) -> std::result::Result<f64, String> {
+    text.parse().ok().filter(|r: &f64| r.is_finite() && *r >= 0.0).ok_or_else(|| "not a number of at least 0".into())
 }
 
 /// Prints the facts.
@@ -33,12 +45,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let start = Instant::now();
     let scene = args.scene.load(console)?;
     let load_ms = start.elapsed().as_secs_f64() * 1e3;
-    let spec = args.scene.spec(&args.accel);
+    let rays = args.rays.unwrap_or_else(|| usual_rays(&scene));
+    let (spec, choice) = choose(&args.scene.spec(&args.accel), &scene, rays)?;
     let start = Instant::now();
     let accel = scene.accel(&spec)?;
     let build_ms = start.elapsed().as_secs_f64() * 1e3;
 
-    let facts = facts(&scene, &spec, &*accel, load_ms, build_ms);
+    let facts = facts(&scene, (&spec, choice.as_ref()), &*accel, load_ms, build_ms);
     match args.format {
         Format::Text => {
             let width = facts.iter().map(|(name, _, _)| name.len()).max().unwrap_or(0);
@@ -61,7 +74,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 /// Name, text and JSON value of each fact.
 type Fact = (&'static str, String, Value);
 
-fn facts(scene: &Scene, spec: &str, accel: &dyn Accel, load_ms: f64, build_ms: f64) -> Vec<Fact> {
+fn facts(
+    scene: &Scene,
+    (spec, choice): (&str, Option<&Choice>),
+    accel: &dyn Accel,
+    load_ms: f64,
+    build_ms: f64,
+) -> Vec<Fact> {
     let (triangles, spheres) = (scene.triangle_count(), scene.spheres.len());
     let mut facts: Vec<Fact> = vec![("scene", scene.name.clone(), json!(scene.name))];
     let mut count = |name, n: usize| facts.push((name, n.to_string(), json!(n)));
@@ -118,6 +137,9 @@ fn facts(scene: &Scene, spec: &str, accel: &dyn Accel, load_ms: f64, build_ms: f
 
     let memory = accel.memory();
     facts.push(("accelerator", spec.to_string(), json!(spec)));
+    if let Some(choice) = choice {
+        facts.push(("chosen", choice.reason(), json!(choice.reason())));
+    }
     let built = accel.describe();
     if !built.is_empty() {
         facts.push(("built", built.clone(), json!(built)));
@@ -132,13 +154,18 @@ fn facts(scene: &Scene, spec: &str, accel: &dyn Accel, load_ms: f64, build_ms: f
     ] {
         facts.push((name, bytes.to_string(), json!(bytes)));
     }
-    let left_out = left_out(scene, memory.tables);
+    let mut left_out = left_out(scene);
+    if let Some(choice) = choice {
+        left_out.extend(choice.left_out());
+    } else if memory.tables == 0 {
+        left_out.push("skip table: this accelerator has none".to_string());
+    }
     facts.push(("left out", left_out.join("; "), json!(left_out)));
     facts
 }
 
 /// What this scene makes unnecessary, with the reason.
-fn left_out(scene: &Scene, table_bytes: u64) -> Vec<String> {
+pub(super) fn left_out(scene: &Scene) -> Vec<String> {
     let mut left_out = Vec::new();
     match scene.geometry {
         SceneGeometry::Triangles(_) => left_out.push("sphere test: the scene has triangles only".to_string()),
@@ -149,17 +176,16 @@ fn left_out(scene: &Scene, table_bytes: u64) -> Vec<String> {
             left_out.push("triangle and sphere tests: the scene has patches only".to_string());
         }
     }
-    if table_bytes == 0 {
-        left_out.push("skip table: this accelerator has none".to_string());
-    }
+    let materials = scene.materials.len();
     if scene.textures.is_empty() {
-        left_out.push("texture look-up: the scene has no texture".to_string());
+        left_out.push(format!("texture look-up: none of {materials} materials has a texture"));
     }
     if scene.materials.iter().all(|m| m.emission == Vec3::ZERO) {
-        left_out.push("area lights: no material emits".to_string());
+        left_out.push(format!("area lights: none of {materials} materials emits"));
     }
     if !scene.has_point_lights() {
-        left_out.push("shadow voxels: the scene has no point or spot light".to_string());
+        let lights = scene.lights.len();
+        left_out.push(format!("shadow voxels: none of {lights} lights is a point or a spot"));
     }
     left_out
 }

@@ -1,13 +1,15 @@
 //! Arguments that several verbs share, and how they are read.
 
 use super::console::Console;
+use crate::auto::Choice;
 use crate::error::{Error, Result};
 use crate::registry;
+use crate::render::{Sampler, Settings};
 use crate::scene::{CameraSource, LoadOptions, Scene, load};
 use std::path::Path;
 
 /// The accelerator that verbs use unless told otherwise.
-pub const DEFAULT_ACCEL: &str = "grid";
+pub const DEFAULT_ACCEL: &str = "auto";
 
 /// The accelerators that are compared and validated unless told otherwise.
 pub use crate::validate::DEFAULT_ACCELERATORS as DEFAULT_ACCELS;
@@ -50,6 +52,27 @@ impl SceneArgs {
             None => accel.to_string(),
         }
     }
+}
+
+/// What `spec` stands for if it is `auto`, with so many `rays` to come, and why; the same specification otherwise.
+///
+/// # Errors
+/// As [`Scene::choose`].
+pub fn choose(spec: &str, scene: &Scene, rays: f64) -> Result<(String, Option<Choice>)> {
+    let spec = registry::with_default(spec, "rays", &rays.to_string());
+    Ok(match scene.choose(&spec)? {
+        Some((chosen, choice)) => (chosen, Some(choice)),
+        None => (spec, None),
+    })
+}
+
+/// Rays that `render` is likely to send if it is told nothing.
+pub fn usual_rays(scene: &Scene) -> f64 {
+    let (wish, default) = (&scene.defaults, Settings::default());
+    let (width, height) = wish.size.unwrap_or((default.width, default.height));
+    let sampler = wish.spp.map_or(default.sampler, Sampler::Sobol);
+    let max_depth = wish.max_depth.unwrap_or(default.max_depth);
+    Settings { width, height, sampler, max_depth, ..default }.expected_rays(scene)
 }
 
 /// Says which camera was chosen if the file has none, in the words of a scene file.

@@ -1,7 +1,8 @@
 //! `skipgrid render`: a picture of a scene.
 
 use super::console::Console;
-use super::input::{DEFAULT_ACCEL, SceneArgs, check_picture, note_camera, parse_size};
+use super::info::left_out;
+use super::input::{DEFAULT_ACCEL, SceneArgs, check_picture, choose, note_camera, parse_size};
 use super::{Outcome, interrupt};
 use crate::error::{Error, Result};
 use crate::picture::io::{self, Attributes, PARTIAL};
@@ -132,7 +133,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let scene = args.scene.load(console)?;
     note_camera(&scene, console);
     let settings = settings(args, &scene)?;
-    let spec = args.scene.spec(&args.accel);
+    let (spec, choice) = choose(&args.scene.spec(&args.accel), &scene, settings.expected_rays(&scene))?;
+    if let Some(choice) = choice {
+        console.note(choice.reason());
+        let left_out: Vec<String> = choice.left_out().into_iter().chain(left_out(&scene)).collect();
+        console.note(format!("left out: {}", left_out.join("; ")));
+    }
     let start = Instant::now();
     let accel = scene.accel(&spec)?;
     let build = start.elapsed().as_secs_f64();

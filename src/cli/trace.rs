@@ -2,13 +2,13 @@
 
 use super::Outcome;
 use super::console::Console;
-use super::input::{DEFAULT_ACCEL, SceneArgs, check_folder};
+use super::input::{DEFAULT_ACCEL, SceneArgs, check_folder, choose};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::measure::npy;
 use crate::picture::io::replace_file;
 use crate::ray::Ray;
-use crate::scene::raw;
+use crate::scene::{Scene, raw};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -73,7 +73,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
 fn trace_each(args: &Args, console: &Console) -> Result<()> {
     let scene = args.scene.load(console)?;
-    let accel = scene.accel(&args.scene.spec(&args.accel))?;
+    let accel = build(args, &scene, 2 * args.ray.len())?;
     let mut text = String::new();
     for ray in &args.ray {
         let (hit, any) = (accel.closest_hit(ray), accel.any_hit(ray));
@@ -82,6 +82,11 @@ fn trace_each(args: &Args, console: &Console) -> Result<()> {
         text += &format!("t={t} bits={:#010x} prim={prim} any={any}\n", t.to_bits());
     }
     console.data(&text)
+}
+
+fn build(args: &Args, scene: &Scene, rays: usize) -> Result<Box<dyn Accel>> {
+    let (spec, _) = choose(&args.scene.spec(&args.accel), scene, rays as f64)?;
+    scene.accel(&spec)
 }
 
 /// A ray from the words of an option's value.
@@ -110,7 +115,7 @@ fn trace_file(args: &Args, rays: &Path, hits: &Path, console: &Console) -> Resul
     check_folder(hits)?;
     let rays = read_rays(rays)?;
     let scene = args.scene.load(console)?;
-    let accel = scene.accel(&args.scene.spec(&args.accel))?;
+    let accel = build(args, &scene, rays.len())?;
     let accel: &dyn Accel = &*accel;
 
     let start = Instant::now();

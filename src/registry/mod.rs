@@ -1,5 +1,6 @@
 //! Every accelerator by name, one entry each; parses specifications such as `grid:density=4,mailbox=on`.
 
+mod auto;
 mod bsp;
 mod nested;
 mod peers;
@@ -19,6 +20,7 @@ use crate::accel::{Accel, BruteForce, PointShadows};
 #[cfg(feature = "obvhs")]
 use crate::adapters::obvhs::{self, Preset};
 use crate::adapters::soup::{Given, Soup};
+use crate::auto::Choice;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::grid::skip::{
@@ -167,6 +169,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     bsp::ENTRY,
     nested::ENTRY,
+    auto::ENTRY,
     #[cfg(feature = "obvhs")]
     Entry {
         name: "obvhs-bvh2",
@@ -249,6 +252,10 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
         "grid-octant" => skip_grid::<_, Octants>(spec, geometry)?,
         "bsp" => bsp::build(spec, geometry)?,
         "nested" => nested::build(spec, geometry)?,
+        "auto" => {
+            let (chosen, _) = auto::choose(spec, &geometry)?;
+            build(&chosen, geometry)?
+        }
         "voxels" => match geometry.solid() {
             Some(solid) => voxels::build(spec, solid.clone())?,
             None => return Err(spec.error("needs a scene of solid voxels such as a .vox file")),
@@ -281,6 +288,15 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
     })
 }
 
+/// What `spec` stands for over `geometry`, and why, if it is `auto`; else `None`.
+///
+/// # Errors
+/// An option of `auto` is unknown or out of range.
+pub fn choose<G: Geometry>(spec: &str, geometry: &G) -> Result<Option<(String, Choice)>> {
+    let spec = Spec::parse(spec)?;
+    if spec.name() == "auto" { auto::choose(spec, geometry).map(Some) } else { Ok(None) }
+}
+
 /// Builds shadow voxels over `geometry` for point lights at `lights`, world units, with `density` voxels for each primitive.
 ///
 /// # Errors
@@ -294,7 +310,6 @@ pub fn shadow_voxels<'a, G: Geometry + 'a>(
 }
 
 /// `spec` with the option `key=value`, where its accelerator has that option and `spec` does not set it.
-#[cfg(feature = "cli")]
 pub(crate) fn with_default(spec: &str, key: &str, value: &str) -> String {
     spec::with_default(ENTRIES, spec, key, value)
 }

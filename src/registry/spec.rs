@@ -95,7 +95,6 @@ impl Spec {
 }
 
 /// `spec` with the option `key=value`, where its accelerator, one of `entries`, has that option and `spec` does not set it.
-#[cfg(feature = "cli")]
 pub(super) fn with_default(entries: &[Entry], spec: &str, key: &str, value: &str) -> String {
     let (name, options) = spec.split_once(':').unwrap_or((spec, ""));
     let key = format!("{key}=");

@@ -1,6 +1,7 @@
 //! The path tracer, generic over the accelerator.
 
 mod check;
+mod expected;
 mod film;
 mod frame;
 mod integrator;

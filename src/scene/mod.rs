@@ -32,6 +32,7 @@ pub use load::{LoadOptions, load};
 pub use material::{Bsdf, Filter, Material, Texture};
 
 use crate::accel::{Accel, Hit, PointShadows};
+use crate::auto::Choice;
 use crate::error::Result;
 use crate::geometry::bezier::ControlPoints;
 use crate::geometry::{BezierPatches, Geometry, Mixed, SolidVoxels, Sphere, Triangle};
@@ -257,6 +258,13 @@ impl Scene {
         self.geometry.accel(spec)
     }
 
+    /// What `spec` stands for, and why, if it is `auto`.
+    ///
+    /// # Errors
+    /// As [`crate::registry::choose`].
+    pub fn choose(&self, spec: &str) -> Result<Option<(String, Choice)>> {
+        with_geometry!(self.geometry, g => crate::registry::choose(spec, g))
+    }
     /// Decides for every voxel of a grid, `density` voxels for each primitive, which of the lights at `lights`, world units,
     /// surely reach it and which surely do not.
     ///
