@@ -1,4 +1,5 @@
 //! One test program: behaviour through the public interface.
+mod auto;
 mod bad_input;
 mod bench;
 mod bezier;

@@ -18,10 +18,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("grid", &["accel", "error", "geometry", "parallel", "ray"]),
     ("bsp", &["accel", "error", "geometry", "ray"]),
     ("nested", &["accel", "error", "geometry", "grid", "parallel", "ray"]),
+    ("auto", &["geometry", "ray"]),
     ("adapters", &["accel", "error", "geometry", "ray"]),
     // Only the registry names an adapter.
-    ("registry", &["accel", "adapters", "bsp", "error", "geometry", "grid", "nested"]),
-    ("scene", &["accel", "error", "geometry", "npy", "picture", "random", "ray", "registry"]),
+    ("registry", &["accel", "adapters", "auto", "bsp", "error", "geometry", "grid", "nested"]),
+    ("scene", &["accel", "auto", "error", "geometry", "npy", "picture", "random", "ray", "registry"]),
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
@@ -38,8 +39,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
-            "accel", "bench", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene", "stress",
-            "validate",
+            "accel", "auto", "bench", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene",
+            "stress", "validate",
         ],
     ),
 ];
