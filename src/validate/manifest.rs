@@ -28,6 +28,9 @@ pub struct Case {
     pub name: String,
     /// Scene file; relative to the manifest in the file, with its folder once read.
     pub scene: PathBuf,
+    /// True if the scene is not kept with the pictures: where it is missing the case is left out.
+    #[serde(default)]
+    pub optional: bool,
     /// POV-Ray's picture.
     pub povray: Option<PovRay>,
     /// Why there is none.

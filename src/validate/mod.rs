@@ -105,6 +105,11 @@ pub fn run(manifest: impl AsRef<Path>, cases: &[String], accels: &[String], opti
     let mut report = Report::default();
     'cases: for case in cases {
         let path = case.scene.to_str().ok_or_else(|| Error::malformed(&case.scene, "path is no Unicode text"))?;
+        if case.optional && !case.scene.exists() {
+            report.left_out.push(format!("{}: there is no {path}", case.name));
+            total -= accels.len() + if case.mitsuba.is_some() { options.reseeds as usize } else { 0 };
+            continue;
+        }
         let scene = scene::load(path, &LoadOptions::default())?;
         for (i, spec) in accels.iter().enumerate() {
             let done = |report: &Report| report.entries.len() + report.reseeds.len();

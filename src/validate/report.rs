@@ -166,6 +166,8 @@ pub struct Report {
     pub disagreements: Vec<String>,
     /// The same comparisons with other seeds, if asked for.
     pub reseeds: Vec<Reseed>,
+    /// Cases whose scene is not here, with the file: one sentence each.
+    pub left_out: Vec<String>,
     /// Scenes with an accelerator, and reseeded sets, that were asked for and left out because the work was stopped.
     pub unfinished: usize,
 }
@@ -222,6 +224,9 @@ impl Report {
         }
         for line in &self.disagreements {
             let _ = write!(text, "\n{line}");
+        }
+        for line in &self.left_out {
+            let _ = write!(text, "\nleft out: {line}");
         }
         for case in self.entries.iter().map(|e| &e.verdict.case) {
             let sets: Vec<&StatisticalVerdict> =

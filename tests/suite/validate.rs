@@ -161,6 +161,22 @@ fn reports_say_what_was_found() {
 }
 
 #[test]
+fn scenes_that_are_not_here_are_left_out_only_where_that_is_allowed() {
+    let manifest = own_reference("left-out");
+    let text = std::fs::read_to_string(&manifest).expect("just written");
+    let absent = text.replace("small", "absent");
+    let run = |more: &str| {
+        std::fs::write(&manifest, format!("{text}{more}")).expect("written");
+        validate::run(&manifest, &[], &["brute".to_string()], &Options::default())
+    };
+    let error = run(&absent).expect_err("absent.toml").to_string();
+    assert!(error.contains("absent.toml"), "{error}");
+    let report = run(&absent.replace("[case.povray]", "optional = true\n[case.povray]")).expect("it runs");
+    assert!(report.passed() && report.entries.len() == 1 && report.unfinished == 0, "{report}");
+    assert!(report.left_out.len() == 1 && report.to_string().contains("\nleft out: absent: there is no "), "{report}");
+}
+
+#[test]
 fn tampered_pictures_fail_and_say_so() {
     let manifest = own_reference("tampered");
     let run = || validate::run(&manifest, &[], &["brute".to_string()], &Options::default()).expect("it runs");
