@@ -25,7 +25,15 @@ fn chosen(scene: &Scene) -> Vec<String> {
 #[test]
 fn every_choice_gives_the_answers_of_brute_force() {
     let mut random = Random::new(77);
-    for name in ["cornell", "random:n=300", "soup:n=3000", "teapot-patches", "flakes:depth=2", "teapot-stadium:n=4"] {
+    for name in [
+        "cornell",
+        "random:n=300",
+        "soup:n=3000",
+        "teapot-patches",
+        "flakes:depth=2",
+        "voxel-terrain:n=16",
+        "teapot-stadium:n=4",
+    ] {
         let scene = scene(name);
         let brute = scene.accel("brute").expect("built");
         let (bounds, extent) = (brute.bounds(), brute.bounds().extent());

@@ -61,14 +61,20 @@ fn povray_agrees_and_every_fault_is_found() {
     assert!(cases.len() >= 6, "only {} scenes have a picture of POV-Ray", cases.len());
     let faults = if all() { &FAULTS[..] } else { &FOUND_EXACTLY };
     for case in cases {
+        // What lies beside the repository was framed, and is small in its picture: no promise of power.
+        if case.optional && !case.scene.exists() {
+            eprintln!("skipped: {} is not there", case.scene.display());
+            continue;
+        }
         let scene = load_scene(case);
         let (passed, reason) = exact(case, &scene, &*scene.accel("grid").expect("built"), None);
         assert!(passed, "{}: {reason}", case.name);
+        let promised = |fault| FOUND_EXACTLY.contains(&fault) && !case.optional;
         let accel = scene.accel(FAST).expect("built");
         for &fault in faults {
             let (passed, reason) = exact(case, &scene, &*accel, Some(fault));
             eprintln!("{:12} {fault:30} {}: {reason}", case.name, if passed { "not found" } else { "found" });
-            assert!(!passed || !FOUND_EXACTLY.contains(&fault), "{} passed with {fault}: {reason}", case.name);
+            assert!(!passed || !promised(fault), "{} passed with {fault}: {reason}", case.name);
             assert!(!reason.is_empty());
         }
     }
@@ -111,6 +117,9 @@ fn mitsuba_agrees_with_all_seeds_and_faults_are_found() {
         if all() { (&[][..], &FAULTS, 1, 9) } else { (&["cornell".to_string()][..], &FOUND_IN_NOISE, 0, 7) };
     eprintln!("{:12} {:30} {:>9} {:>9} {:>9} {:>9}", "scene", "fault", "found", "chi2", "tile", "mean");
     for case in manifest.select(scenes).expect("scenes of the manifest").into_iter().filter(|c| c.mitsuba.is_some()) {
+        if case.optional && !case.scene.exists() {
+            continue;
+        }
         let scene = load_scene(case);
         for fault in std::iter::once(None).chain(faults.iter().map(|&f| Some(f))) {
             // Every accelerator answers alike, so the shadow rays of one that drops some cannot be asked for by name.
