@@ -76,14 +76,6 @@ impl<S: Lanes> BoxRay<S> {
             octant: sign.is_negative_bitmask() as usize,
         }
     }
-
-    /// For a part without boxes.
-    #[inline(always)]
-    pub fn unused() -> Self {
-        let zero = S::splat(0.0);
-        let none = Vector { x: zero, y: zero, z: zero };
-        Self { near: none, far: none, early: none, late: none, begin: zero, octant: 0 }
-    }
 }
 
 impl Boxes {

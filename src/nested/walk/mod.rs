@@ -153,7 +153,7 @@ impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXAC
             exact,
             probe,
             ray: PackRay::new::<K>(&entry.sight),
-            boxes: if part.boxes.is_empty() { BoxRay::unused() } else { BoxRay::new(entry) },
+            boxes: BoxRay::new(entry),
             groups: [Group::default(); GROUPS],
             origin: entry.origin * entry.sign,
             octant: entry.sign.is_negative_bitmask() as usize,
