@@ -10,6 +10,8 @@ pub mod bench;
 pub mod bsp;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "validate")]
+pub mod converge;
 pub mod error;
 pub mod geometry;
 pub mod grid;

@@ -6,6 +6,7 @@
 mod bench;
 mod compare;
 mod console;
+mod converge;
 mod diff;
 mod export;
 mod info;
@@ -15,6 +16,7 @@ mod list;
 mod papers;
 mod render;
 mod stress;
+mod sweep;
 mod table;
 mod trace;
 mod validate;
@@ -53,6 +55,8 @@ enum Verb {
     Info(info::Args),
     Render(render::Args),
     Compare(compare::Args),
+    Converge(converge::Args),
+    Sweep(sweep::Args),
     Bench(bench::Args),
     Trace(trace::Args),
     Validate(validate::Args),
@@ -90,6 +94,8 @@ pub fn main() -> ExitCode {
         Verb::Info(args) => info::run(&args, &console),
         Verb::Render(args) => render::run(&args, &console),
         Verb::Compare(args) => compare::run(&args, &console),
+        Verb::Converge(args) => converge::run(&args, &console),
+        Verb::Sweep(args) => sweep::run(&args, &console),
         Verb::Bench(args) => bench::run(&args, &console),
         Verb::Trace(args) => trace::run(&args, &console),
         Verb::Validate(args) => validate::run(&args, &console),

@@ -6,9 +6,13 @@ mod machine;
 pub mod npy;
 mod rays;
 pub(crate) mod rounds;
+mod sweep;
 
+#[cfg(feature = "validate")]
+pub(crate) use clock::{process_seconds, wall_seconds};
 pub use compare::{
     Build, Built, Comparison, Deviations, Difference, Kind, Rate, Rounds, Row, compare, compare_with, contest,
 };
 pub use machine::Machine;
 pub use rays::{Query, RayKind, RayOptions, RaySet, ray_sets};
+pub use sweep::{Axis, Final, Setting, Sweep, SweepOptions, matching, sweep};

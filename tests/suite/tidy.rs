@@ -27,6 +27,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
     ("measure", &["accel", "error", "npy", "random", "ray", "registry", "scene"]),
+    ("converge", &["accel", "error", "measure", "picture", "registry", "render", "scene"]),
     ("stress", &["accel", "error", "geometry", "grid", "measure", "oracle", "random", "ray", "registry", "scene"]),
     (
         "papers",
@@ -39,8 +40,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
-            "accel", "auto", "bench", "error", "measure", "papers", "picture", "ray", "registry", "render", "scene",
-            "stress", "validate",
+            "accel", "auto", "bench", "converge", "error", "measure", "papers", "picture", "ray", "registry", "render",
+            "scene", "stress", "validate",
         ],
     ),
 ];

@@ -1,12 +1,14 @@
-//! Plots as SVG: bars, dots in rows, lines, and spots; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
+//! Plots as SVG: bars, dots in rows, lines with and without bands, and spots; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
 
 mod bars;
+mod curves;
 mod dots;
 mod lines;
 mod scale;
 mod scatter;
 
 pub use bars::{Bars, Group};
+pub use curves::{Curve, Curves, Plane, Spread};
 pub use dots::{Dots, Panel};
 pub use lines::{Line, Lines};
 pub use scatter::{Scatter, Spot};
@@ -18,6 +20,8 @@ use std::fmt::Write as _;
 pub enum Plot {
     /// Groups of bars.
     Bars(Bars),
+    /// Panels of lines with bands.
+    Curves(Curves),
     /// Panels of rows.
     Dots(Dots),
     /// One panel of lines.
@@ -31,6 +35,7 @@ impl Plot {
     pub fn svg(&self) -> String {
         match self {
             Plot::Bars(bars) => bars.svg(),
+            Plot::Curves(curves) => curves.svg(),
             Plot::Dots(dots) => dots.svg(),
             Plot::Lines(lines) => lines.svg(),
             Plot::Scatter(scatter) => scatter.svg(),

@@ -1,0 +1,377 @@
+//! One option of an accelerator after the other over its range: build, bytes, steps, tests and time.
+
+use super::compare::{Build, Built, Comparison, Difference, Kind, Rate, contest};
+use super::machine::Machine;
+use super::rays::{RayOptions, ray_sets};
+use crate::error::{Error, Result};
+use crate::registry::{ENTRIES, Needs, did_you_mean, promises_exact, with_default};
+use crate::scene::Scene;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// An option that is swept; the others keep their defaults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Voxels, or cells, for each primitive: `density`.
+    Density,
+    /// The least distance worth a leap: `threshold`.
+    Leap,
+    /// Whether a ray remembers what it has tested: `mailbox`.
+    Mailbox,
+    /// The longest list that is not split: `leaf`.
+    Leaf,
+}
+
+impl Axis {
+    /// All of them.
+    pub const ALL: [Axis; 4] = [Axis::Density, Axis::Leap, Axis::Mailbox, Axis::Leaf];
+
+    /// The option's name in specifications.
+    pub fn name(self) -> &'static str {
+        match self {
+            Axis::Density => "density",
+            Axis::Leap => "threshold",
+            Axis::Mailbox => "mailbox",
+            Axis::Leaf => "leaf",
+        }
+    }
+
+    /// The values that it takes.
+    fn values(self, options: &SweepOptions) -> Vec<String> {
+        let texts = |values: &[u32]| values.iter().map(u32::to_string).collect();
+        match self {
+            Axis::Density => options.densities.iter().map(f64::to_string).collect(),
+            Axis::Leap => texts(&[1, 2, 3, 5, 8, 16]),
+            Axis::Mailbox => vec!["off".into(), "on".into()],
+            Axis::Leaf => texts(&[1, 2, 4, 8, 16, 32]),
+        }
+    }
+}
+
+/// What is swept, and how it is timed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepOptions {
+    /// Voxels for each primitive, each finite and above 0.
+    pub densities: Vec<f64>,
+    /// Timed rounds, at least 1.
+    pub rounds: u32,
+    /// Which rays.
+    pub rays: RayOptions,
+}
+
+impl Default for SweepOptions {
+    /// Densities from 1/8 to 64 by factors of two, five rounds.
+    fn default() -> Self {
+        let densities = (-3..=6).map(|e| 2f64.powi(e)).collect();
+        Self { densities, rounds: 5, rays: RayOptions::default() }
+    }
+}
+
+/// One setting of one accelerator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// What was swept; `None` for the accelerator as it was asked for.
+    pub axis: Option<Axis>,
+    /// The accelerator as it was asked for: number in [`Sweep::accels`].
+    pub accel: usize,
+    /// The option's value; empty for the accelerator as it was asked for.
+    pub value: String,
+    /// The whole specification.
+    pub spec: String,
+    /// Cost of building.
+    pub build: Build,
+    /// One for each set of rays; `None` if that is empty.
+    pub rates: Vec<Option<Rate>>,
+    /// For each set of rays, its rate over that of the accelerator as it was asked for, timed in the same turns; NaN if the
+    /// set is empty.
+    pub gains: Vec<f64>,
+    /// The same over the first accelerator as it was asked for.
+    pub ratios: Vec<f64>,
+    /// Spread of [`Setting::gains`], as a share: the spreads of both sides, added as independent ones are.
+    pub spreads: Vec<f64>,
+}
+
+/// What came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// The scene's name.
+    pub scene: String,
+    /// Number of primitives.
+    pub primitives: u32,
+    /// What it was measured on.
+    pub machine: Machine,
+    /// The sets of rays.
+    pub kinds: Vec<Kind>,
+    /// The accelerators as they were asked for; the first is the measure of all.
+    pub accels: Vec<String>,
+    /// By accelerator, then by axis, then by value; the accelerator as it was asked for comes before its axes.
+    pub settings: Vec<Setting>,
+    /// For each accelerator and set of rays its fastest setting, timed once more.
+    pub finals: Vec<Final>,
+    /// Settings that could not be built, and why.
+    pub left_out: Vec<(String, String)>,
+    /// Answers that differ from the first accelerator's though they promise to be exact.
+    pub differing: u64,
+    /// The first of them.
+    pub difference: Option<Difference>,
+    /// Somebody wanted no more: settings are missing.
+    pub interrupted: bool,
+}
+
+/// The fastest setting of an accelerator for one set of rays.
+///
+/// The greatest of many noisy rates is flattered; so the fastest settings of an accelerator are timed once more, in turns with
+/// it as it was asked for, and these rates count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Final {
+    /// The set of rays: number in [`Sweep::kinds`].
+    pub kind: usize,
+    /// The setting, with the rates of the last time.
+    pub setting: Setting,
+}
+
+impl Final {
+    /// Its rate over that of its accelerator as that was asked for.
+    pub fn gain(&self) -> f64 {
+        self.setting.gains[self.kind]
+    }
+
+    /// Spread of the gain, as a share; 0 if the accelerator is best as it was asked for.
+    pub fn spread(&self) -> f64 {
+        self.setting.spreads[self.kind]
+    }
+
+    /// True if the gain is more than the spread.
+    pub fn is_clear(&self) -> bool {
+        self.gain() > 1.0 + self.spread()
+    }
+}
+
+/// Accelerators whose names match `patterns`: a name, with options or not, or the beginning of names with a `*` behind it.
+///
+/// # Errors
+/// A pattern matches nothing.
+pub fn matching(patterns: &[String]) -> Result<Vec<String>> {
+    let mut specs: Vec<String> = Vec::new();
+    for pattern in patterns {
+        let Some(start) = pattern.strip_suffix('*') else {
+            specs.push(pattern.clone());
+            continue;
+        };
+        let general = ENTRIES.iter().filter(|e| e.exact && e.needs == Needs::Any && e.missing().is_none());
+        let found: Vec<&str> = general.map(|e| e.name).filter(|name| name.starts_with(start)).collect();
+        if found.is_empty() {
+            let names: Vec<&str> = ENTRIES.iter().map(|e| e.name).collect();
+            let hint = did_you_mean(&names, start, 3);
+            return Err(Error::Spec { spec: pattern.clone(), cause: format!("no accelerator's name begins so{hint}") });
+        }
+        specs.extend(found.into_iter().map(String::from));
+    }
+    let mut seen = std::collections::HashSet::new();
+    specs.retain(|spec| seen.insert(spec.clone()));
+    Ok(specs)
+}
+
+/// Sweeps every option that the accelerators have and that `specs` do not set.
+///
+/// The settings of one axis take turns with the accelerator as it was asked for and with the first one of all. Soon after `stop`
+/// has become true it ends; axes that are finished are kept. `progress` hears of the finished axes, of all, and of what is
+/// done next.
+///
+/// # Errors
+/// There is no accelerator, no round or no density; a density is not finite and above 0; an accelerator as it was asked for
+/// cannot be built; the film has no pixels.
+pub fn sweep(
+    scene: &Scene,
+    specs: &[String],
+    options: &SweepOptions,
+    progress: &dyn Fn(usize, usize, &str),
+    stop: &AtomicBool,
+) -> Result<Sweep> {
+    let (Some(first), true) = (specs.first(), options.rounds > 0) else {
+        let (accels, rounds) = (specs.len(), options.rounds);
+        return Err(Error::invalid(format!("nothing to sweep: {accels} accelerators, {rounds} rounds")));
+    };
+    if let Some(bad) = options.densities.iter().find(|d| !(d.is_finite() && **d > 0.0)) {
+        return Err(Error::invalid(format!("density {bad} is not finite and above 0")));
+    }
+    let groups: Vec<(usize, Option<Axis>)> =
+        (0..specs.len()).flat_map(|i| axes(&specs[i]).into_iter().map(move |axis| (i, axis))).collect();
+    let all = groups.len() + specs.len();
+    progress(0, all, &format!("building {first}"));
+    let mut built = vec![make(scene, first)?];
+    let sets = ray_sets(scene, &*built[0].accel, &options.rays)?;
+    let mut sweep = Sweep {
+        scene: scene.name.clone(),
+        primitives: scene.primitive_count(),
+        machine: Machine::this(),
+        kinds: Vec::new(),
+        accels: specs.to_vec(),
+        settings: Vec::new(),
+        finals: Vec::new(),
+        left_out: Vec::new(),
+        differing: 0,
+        difference: None,
+        interrupted: false,
+    };
+    for (done, &(accel, axis)) in groups.iter().enumerate() {
+        if stop.load(Ordering::Relaxed) {
+            sweep.interrupted = true;
+            break;
+        }
+        let title = format!("{}, {}", specs[accel], axis.map_or("as it is", Axis::name));
+        progress(done, all, &format!("{title}: building"));
+        let own = if accel == 0 { 0 } else { built.len() };
+        if accel > 0 {
+            built.push(make(scene, &specs[accel])?);
+        }
+        let mut values = Vec::new();
+        for value in axis.map_or(Vec::new(), |axis| axis.values(options)) {
+            let spec = with_default(&specs[accel], axis.map_or("", Axis::name), &value);
+            match make(scene, &spec) {
+                Ok(setting) => {
+                    built.push(setting);
+                    values.push(value);
+                }
+                Err(error) => sweep.left_out.push((spec, error.to_string())),
+            }
+        }
+        let result =
+            contest(scene, &built, &sets, options.rounds, &|stage| progress(done, all, &format!("{title}: {stage}")))?;
+        let settings = built.len() - values.len();
+        match axis {
+            None => sweep.settings.push(setting(&result, own, own, (accel, None, String::new()))),
+            Some(_) => sweep.settings.extend(
+                values
+                    .into_iter()
+                    .enumerate()
+                    .map(|(i, value)| setting(&result, settings + i, own, (accel, axis, value))),
+            ),
+        }
+        sweep.take(result);
+        built.truncate(1);
+    }
+    for accel in 0..specs.len() {
+        if stop.load(Ordering::Relaxed) {
+            sweep.interrupted = true;
+            break;
+        }
+        let stage = |stage: &str| {
+            progress(groups.len() + accel, all, &format!("{}, the best once more: {stage}", specs[accel]))
+        };
+        let own = if accel == 0 { 0 } else { built.len() };
+        let best: Vec<Setting> =
+            (0..sweep.kinds.len()).filter_map(|kind| sweep.candidate(accel, kind)).cloned().collect();
+        if accel > 0 {
+            built.push(make(scene, &specs[accel])?);
+        }
+        let mut rows = Vec::new();
+        for setting in &best {
+            let known = built[own..].iter().position(|b| b.spec == setting.spec).map(|row| own + row);
+            rows.push(known.unwrap_or(built.len()));
+            if known.is_none() {
+                built.push(make(scene, &setting.spec)?);
+            }
+        }
+        let result = contest(scene, &built, &sets, options.rounds, &stage)?;
+        let kinds = (0..sweep.kinds.len()).filter(|&kind| !sets[kind].rays.is_empty());
+        for ((kind, row), old) in kinds.zip(rows).zip(best) {
+            let setting = setting(&result, row, own, (accel, old.axis, old.value));
+            sweep.finals.push(Final { kind, setting });
+        }
+        sweep.take(result);
+        built.truncate(1);
+    }
+    Ok(sweep)
+}
+
+fn make(scene: &Scene, spec: &str) -> Result<Built> {
+    Built::new(spec, promises_exact(spec), || scene.accel(spec))
+}
+
+/// First as it is, then what it can be swept over: the options that it has and that `spec` does not set.
+fn axes(spec: &str) -> Vec<Option<Axis>> {
+    let free = |axis: &Axis| {
+        // A resolution overrides the density.
+        let fixed = *axis == Axis::Density && spec.contains("resolution=");
+        !fixed && with_default(spec, axis.name(), "1") != spec
+    };
+    std::iter::once(None).chain(Axis::ALL.into_iter().filter(free).map(Some)).collect()
+}
+
+/// Row `row` of `result`, whose row `own` is the accelerator as it was asked for.
+fn setting(result: &Comparison, row: usize, own: usize, what: (usize, Option<Axis>, String)) -> Setting {
+    let of = &result.rows[row];
+    let pair = |k: usize, base: usize| Some((of.rates[k]?, result.rows[base].rates[k]?));
+    let ratio = |base: usize| {
+        let over = |k| pair(k, base).map_or(f64::NAN, |(a, b): (Rate, Rate)| a.rays_per_second / b.rays_per_second);
+        (0..result.kinds.len()).map(over).collect()
+    };
+    let spread =
+        |k: usize| pair(k, own).map_or(f64::NAN, |(a, b)| if row == own { 0.0 } else { a.spread.hypot(b.spread) });
+    let (accel, axis, value) = what;
+    Setting {
+        axis,
+        accel,
+        value,
+        spec: of.accel.clone(),
+        build: of.build,
+        rates: of.rates.clone(),
+        gains: ratio(own),
+        ratios: ratio(0),
+        spreads: (0..result.kinds.len()).map(spread).collect(),
+    }
+}
+
+impl Sweep {
+    /// True if every setting that promises exact answers gave the same, to the bit, on every ray.
+    pub fn identical(&self) -> bool {
+        self.differing == 0
+    }
+
+    /// The fastest setting of all for the rays of set `kind`, by its last rate over the first accelerator's.
+    pub fn fastest(&self, kind: usize) -> Option<&Final> {
+        let timed = self.finals.iter().filter(|f| f.kind == kind);
+        timed.max_by(|a, b| a.setting.ratios[kind].total_cmp(&b.setting.ratios[kind]))
+    }
+
+    /// The setting of accelerator `accel` that seems to be the fastest for set `kind`; `None` if nothing was timed.
+    fn candidate(&self, accel: usize, kind: usize) -> Option<&Setting> {
+        let timed = self.settings.iter().filter(|s| s.accel == accel && s.gains[kind].is_finite());
+        timed.max_by(|a, b| a.gains[kind].total_cmp(&b.gains[kind]))
+    }
+
+    /// Counts differences and notes the sets.
+    fn take(&mut self, result: Comparison) {
+        self.differing += result.differing;
+        if self.difference.is_none() {
+            self.difference = result.difference;
+        }
+        self.kinds = result.kinds;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_options_that_exist_and_are_free_are_swept() {
+        use Axis::{Density, Leaf, Leap, Mailbox};
+        assert_eq!(axes("brute"), [None]);
+        assert_eq!(axes("grid"), [None, Some(Density), Some(Mailbox)]);
+        assert_eq!(axes("grid:resolution=8"), [None, Some(Mailbox)]);
+        assert_eq!(axes("grid-octant:mailbox=on"), [None, Some(Density), Some(Leap)]);
+        assert_eq!(axes("nested"), [None, Some(Density)]);
+        assert_eq!(axes("bsp"), [None, Some(Leaf)]);
+    }
+
+    #[test]
+    fn patterns_name_accelerators_once() {
+        let all = |patterns: &[&str]| matching(&patterns.iter().map(|p| p.to_string()).collect::<Vec<_>>());
+        let grids = all(&["grid", "grid*"]).expect("there are grids");
+        assert_eq!((grids[0].as_str(), grids.iter().filter(|g| *g == "grid").count()), ("grid", 1));
+        assert!(grids.len() >= 7 && !grids.contains(&"voxels".to_string()), "{grids:?}");
+        assert_eq!(all(&["bsp:leaf=4"]).expect("a name"), ["bsp:leaf=4"]);
+        assert!(all(&["grod*"]).expect_err("no such name").to_string().contains("grid"));
+    }
+}
