@@ -75,7 +75,9 @@ impl Exported {
     /// Writes the scene for `other` into `folder`; also what that cannot show as we do.
     pub fn new(other: Other, scene: &Scene, options: &Options, folder: &Path) -> Result<(Self, Vec<String>)> {
         let &Options { width, height, max_depth, .. } = options;
-        let settings = ExportSettings { width, height, max_depth };
+        // Whitted's method has no light from shining surfaces.
+        let lamp_grid = if options.integrator == Integrator::Whitted { 0 } else { ExportSettings::default().lamp_grid };
+        let settings = ExportSettings { width, height, max_depth, lamp_grid };
         let file = folder.join(if other == Other::Mitsuba { "mitsuba.xml" } else { "povray.pov" });
         let mut warnings = match other {
             Other::Mitsuba => crate::scene::mitsuba::export(scene, &settings, &file)?,
