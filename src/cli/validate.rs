@@ -4,12 +4,15 @@ use super::console::{Console, Format};
 use super::input::{DEFAULT_ACCELS, SceneArgs, check_folder, note_camera};
 use super::{Outcome, interrupt};
 use crate::error::{Error, Result};
+use crate::measure::Machine;
 use crate::picture::io::replace_file;
 use crate::render::{Integrator, Settings, omissions};
 use crate::scene::Scene;
-use crate::validate::{self, Options, Theirs};
+use crate::validate::{self, Environment, Options, Report, Theirs};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What marks a folder of reference pictures.
 const MANIFEST: &str = "manifest.toml";
@@ -82,7 +85,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     reseed: u32,
 
-    /// Where a self-contained HTML page with all pictures goes
+    /// Where a self-contained HTML page with all pictures goes, with its numbers as JSON beside it: FILE with the ending .json
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
@@ -109,7 +112,7 @@ enum Method {
 
 /// Validates and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.report.as_deref().map(check_folder).transpose()?;
+    args.report.as_deref().map(check_report).transpose()?;
     let bar = console.progress(1);
     let progress = |done: usize, all: usize, next: &str| {
         bar.set_length(all as u64);
@@ -119,8 +122,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let options = Options {
         threads: args.threads.map(|n| n as usize),
         replicates: args.replicates,
+        spp: args.spp.unwrap_or(Options::default().spp),
         reseeds: args.reseed,
         keep_pictures: args.report.is_some() || args.pictures.is_some(),
+        count_steps: args.report.is_some(),
         progress: Some(&progress),
         stop: Some(interrupt::request()),
         ..Options::default()
@@ -132,13 +137,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             note_camera(&scene, console);
             let theirs = theirs(args, &scene)?;
             omissions(&scene, theirs.integrator).iter().for_each(|words| console.warn(words));
-            let spp = args.spp.unwrap_or(options.spp);
-            validate::against(&scene, &theirs, &args.accels, &Options { spp, ..options })
+            validate::against(&scene, &theirs, &args.accels, &options)
         }
         None => {
             let folder = args.reference.clone().map_or_else(find_reference, Ok)?;
-            let spp = args.spp.unwrap_or(options.spp);
-            validate::run(folder.join(MANIFEST), &args.cases, &args.accels, &Options { spp, ..options })
+            validate::run(folder.join(MANIFEST), &args.cases, &args.accels, &options)
         }
     };
     bar.finish_and_clear();
@@ -151,13 +154,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Format::Text => console.data(&format!("{report}\n"))?,
         Format::Csv => console.data(&report.csv())?,
         Format::Json => {
-            let version = env!("CARGO_PKG_VERSION");
-            console.json(&json!({ "version": version, "passed": report.passed(), "report": report }))?;
+            console.json(&json!({ "version": VERSION, "passed": report.passed(), "report": report }))?;
         }
     }
     if let Some(file) = &args.report {
-        replace_file(file, report.html().as_bytes())?;
-        console.note(format!("report: {}", file.display()));
+        let data = write_report(file, &report, &environment(&options))?;
+        console.note(format!("report: {}, its numbers: {}", file.display(), data.display()));
     }
     if let Some(folder) = &args.pictures {
         let count = report.write_pictures(folder)?;
@@ -168,6 +170,48 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         true => Outcome::Done,
         false => Outcome::CheckFailed,
     })
+}
+
+/// Finds out before the work whether a page can be written and its numbers beside it.
+fn check_report(file: &Path) -> Result<()> {
+    if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        let cause = "the page cannot end in .json: the file beside it does; such as report.html";
+        return Err(Error::invalid(format!("--report {}: {cause}", file.display())));
+    }
+    check_folder(file)
+}
+
+/// Writes the page and, beside it, all that it says without its pictures; gives the name of the latter.
+fn write_report(file: &Path, report: &Report, environment: &Environment) -> Result<PathBuf> {
+    let summary = report.summary();
+    let value = json!({
+        "version": VERSION,
+        "passed": report.passed(),
+        "summary": summary.lines().collect::<Vec<_>>(),
+        "environment": environment,
+        "report": report,
+    });
+    let data = file.with_extension("json");
+    replace_file(&data, format!("{value:#}\n").as_bytes())?;
+    replace_file(file, report.html(environment).as_bytes())?;
+    Ok(data)
+}
+
+/// What this run was made with.
+fn environment(options: &Options) -> Environment {
+    let word = |word: std::ffi::OsString| match word.to_string_lossy() {
+        plain if !plain.contains(char::is_whitespace) && !plain.is_empty() => plain.into_owned(),
+        other => format!("'{other}'"),
+    };
+    let words: Vec<String> = std::env::args_os().skip(1).map(word).collect();
+    Environment {
+        program: format!("skipgrid {VERSION}"),
+        machine: Machine::this().to_string(),
+        command: format!("skipgrid {}", words.join(" ")),
+        threads: options.threads,
+        replicates: options.replicates,
+        spp: options.spp,
+    }
 }
 
 /// The command line, then the scene's wishes, then the defaults.

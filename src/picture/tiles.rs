@@ -1,9 +1,11 @@
 //! Whether two pictures of one scene agree: tile by tile where both are noisy, pixel by pixel where neither is.
 
 mod deterministic;
+mod maps;
 mod statistical;
 
 pub use deterministic::{DeterministicLimits, DeterministicVerdict, deterministic};
+pub use maps::{MAP_Z, above_limits, z_map};
 pub use statistical::{Estimate, StatisticalLimits, StatisticalVerdict, TILE, statistical};
 
 #[cfg(test)]

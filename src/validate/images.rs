@@ -64,7 +64,8 @@ pub(super) fn judge_deterministic(
         ..Settings::default()
     };
     let start = Instant::now();
-    let ours = options.render(scene, accel, &settings)?;
+    let (ours, rays) = options.render(scene, accel, &settings)?;
+    verdict.rays = rays;
     verdict.seconds = start.elapsed().as_secs_f64();
     let test = tiles::deterministic(&ours, theirs, limits);
     (verdict.passed, verdict.reasons) = (test.passed, test.reasons.clone());
@@ -74,7 +75,11 @@ pub(super) fn judge_deterministic(
     }
     verdict.test = Some(Test::Deterministic(test));
     verdict.samples = u64::from(grid).pow(2);
-    conclude(&mut verdict, ours, theirs.clone(), options);
+    conclude(&mut verdict, &ours, theirs);
+    if options.keep_pictures {
+        let map = tiles::above_limits(&ours, theirs).ok();
+        verdict.pictures = Some(Pictures { ours, theirs: theirs.clone(), map });
+    }
     Ok(verdict)
 }
 
@@ -90,7 +95,7 @@ fn against_mitsuba(stored: &Mitsuba, scene: &Scene, accel: &dyn Accel, options: 
     let outcome =
         read_estimate(stored).and_then(|theirs| Ok((replicate(wanted(stored), 1, scene, accel, options)?, theirs)));
     verdict.seconds = start.elapsed().as_secs_f64();
-    let (ours, theirs) = match outcome {
+    let ((ours, rays), theirs) = match outcome {
         Err(error) => return verdict.failed(&error),
         Ok(both) => both,
     };
@@ -98,7 +103,8 @@ fn against_mitsuba(stored: &Mitsuba, scene: &Scene, accel: &dyn Accel, options: 
     (verdict.passed, verdict.reasons) = (test.passed, test.reasons.clone());
     verdict.test = Some(Test::Statistical(test));
     verdict.samples = u64::from(options.replicates) * u64::from(options.spp);
-    conclude(&mut verdict, ours.mean, theirs.mean, options);
+    verdict.rays = rays;
+    conclude_noisy(&mut verdict, &ours, &theirs, options);
     verdict
 }
 
@@ -131,13 +137,19 @@ fn check_digest(image: &Path, what: &str, picture: &Picture, expected: &str) -> 
     Err(Error::malformed(image, cause))
 }
 
-/// Adds what does not decide the verdict: distances, digest, pictures.
-pub(super) fn conclude(verdict: &mut TierVerdict, ours: Picture, theirs: Picture, options: &Options) {
-    verdict.size = (theirs.width, theirs.height);
-    verdict.metrics = metrics::compare(&ours, &theirs).ok();
-    verdict.flip = flip::compare(&ours, &theirs).ok().map(|map| map.mean());
-    verdict.ours_sha256 = sha256::of_pixels(&ours);
+/// As [`conclude`] for pictures with noise, and keeps them.
+pub(super) fn conclude_noisy(verdict: &mut TierVerdict, ours: &Measured, theirs: &Measured, options: &Options) {
+    conclude(verdict, &ours.mean, &theirs.mean);
     if options.keep_pictures {
-        verdict.pictures = Some(Pictures { ours, theirs });
+        let map = tiles::z_map(ours.estimate(), theirs.estimate()).ok();
+        verdict.pictures = Some(Pictures { ours: ours.mean.clone(), theirs: theirs.mean.clone(), map });
     }
+}
+
+/// Adds what does not decide the verdict: size, distances, digest.
+fn conclude(verdict: &mut TierVerdict, ours: &Picture, theirs: &Picture) {
+    verdict.size = (theirs.width, theirs.height);
+    verdict.metrics = metrics::compare(ours, theirs).ok();
+    verdict.flip = flip::compare(ours, theirs).ok().map(|map| map.mean());
+    verdict.ours_sha256 = sha256::of_pixels(ours);
 }

@@ -11,12 +11,14 @@ mod replicates;
 mod report;
 mod reseed;
 pub mod sha256;
+mod steps;
 mod theirs;
 
 pub use images::check_case;
 pub use manifest::{Case, Manifest};
-pub use report::{CaseVerdict, Entry, Pictures, Provenance, Renderer, Report, Test, TierVerdict};
+pub use report::{CaseVerdict, Entry, Environment, Pictures, Provenance, Renderer, Report, Test, TierVerdict};
 pub use reseed::Reseed;
+pub use steps::Steps;
 pub use theirs::{Theirs, against};
 
 use crate::accel::Accel;
@@ -48,6 +50,8 @@ pub struct Options<'a> {
     pub reseeds: u32,
     /// Keep pictures in the report, for [`Report::html`] and [`Report::write_pictures`].
     pub keep_pictures: bool,
+    /// Count the steps of each pixel's camera ray too, see [`Entry::steps`]: one more render for each scene and accelerator.
+    pub count_steps: bool,
     /// Told how far the work is.
     pub progress: Option<Progress<'a>>,
     /// Once it is true no comparison is begun and the one under way is dropped; see [`Report::unfinished`].
@@ -56,7 +60,16 @@ pub struct Options<'a> {
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Self { threads: None, replicates: 8, spp: 32, reseeds: 0, keep_pictures: false, progress: None, stop: None }
+        Self {
+            threads: None,
+            replicates: 8,
+            spp: 32,
+            reseeds: 0,
+            keep_pictures: false,
+            count_steps: false,
+            progress: None,
+            stop: None,
+        }
     }
 }
 
@@ -74,10 +87,27 @@ impl Options<'_> {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
-    /// Our picture, black where the work was stopped.
-    fn render(&self, scene: &Scene, accel: &dyn Accel, settings: &Settings) -> Result<Picture> {
+    /// Our picture, black where the work was stopped, and the rays that it took.
+    fn render(&self, scene: &Scene, accel: &dyn Accel, settings: &Settings) -> Result<(Picture, u64)> {
         let never = AtomicBool::new(false);
-        Ok(render_until(scene, accel, settings, &|_, _| {}, self.stop.unwrap_or(&never))?.film.picture())
+        let film = render_until(scene, accel, settings, &|_, _| {}, self.stop.unwrap_or(&never))?.film;
+        Ok((film.picture(), film.stats.rays()))
+    }
+
+    /// What an accelerator gave for a scene, with its steps if they are wanted.
+    fn entry(
+        &self,
+        (spec, build_seconds): (&str, f64),
+        verdict: CaseVerdict,
+        scene: &Scene,
+        accel: &dyn Accel,
+    ) -> Result<Entry> {
+        let size = verdict.tiers.iter().map(|t| t.size).find(|&size| size != (0, 0));
+        let steps = match size.filter(|_| self.count_steps) {
+            Some(size) => Some(steps::count(size, scene, accel, self)?),
+            None => None,
+        };
+        Ok(Entry { accel: spec.into(), build_seconds, verdict, steps })
     }
 
     fn tell(&self, done: usize, all: usize, next: &str) {
@@ -118,10 +148,11 @@ pub fn run(manifest: impl AsRef<Path>, cases: &[String], accels: &[String], opti
             let accel = scene.accel(spec)?;
             let build_seconds = start.elapsed().as_secs_f64();
             let verdict = check_case(case, &scene, &*accel, options);
+            let entry = options.entry((spec, build_seconds), verdict, &scene, &*accel)?;
             if options.stopped() {
                 break 'cases;
             }
-            report.add(Entry { accel: spec.clone(), build_seconds, verdict });
+            report.add(entry);
             // Pictures do not depend on the accelerator.
             if let Some(stored) = case.mitsuba.as_ref().filter(|_| i == 0 && options.reseeds > 0) {
                 let Ok(theirs) = images::read_estimate(stored) else {

@@ -37,14 +37,15 @@ pub(super) struct Wanted {
     pub max_depth: u32,
 }
 
-/// Path-traces the scene `options.replicates` times, with the seeds `first_seed`, `first_seed + 1`, and so on.
+/// Path-traces the scene `options.replicates` times, with the seeds `first_seed`, `first_seed + 1`, and so on; gives the rays
+/// that it took too.
 pub(super) fn replicate(
     wanted: Wanted,
     first_seed: u64,
     scene: &Scene,
     accel: &dyn Accel,
     options: &Options,
-) -> Result<Measured> {
+) -> Result<(Measured, u64)> {
     let mut settings = Settings {
         integrator: Integrator::Path,
         width: wanted.width,
@@ -55,11 +56,14 @@ pub(super) fn replicate(
         ..Settings::default()
     };
     let mut moments = Moments::default();
+    let mut all_rays = 0;
     for seed in 0..u64::from(options.replicates) {
         settings.seed = first_seed + seed;
-        moments.add(&options.render(scene, accel, &settings)?);
+        let (picture, rays) = options.render(scene, accel, &settings)?;
+        moments.add(&picture);
+        all_rays += rays;
     }
-    Ok(moments.reduce(wanted.width, wanted.height))
+    Ok((moments.reduce(wanted.width, wanted.height), all_rays))
 }
 
 /// Running mean and sum of squared deviations of each value. Source: Welford 1962, "Note on a method for calculating

@@ -1,8 +1,14 @@
 //! What a validation found, as text, CSV, JSON and HTML.
 
+mod environment;
 mod html;
+mod tables;
+mod viewer;
+
+pub use environment::Environment;
 
 use super::reseed::Reseed;
+use super::steps::Steps;
 use crate::error::{Error, Result};
 use crate::picture::io::{Attributes, write};
 use crate::picture::metrics::Metrics;
@@ -66,6 +72,9 @@ pub struct Pictures {
     pub ours: Picture,
     /// The reference.
     pub theirs: Picture,
+    /// Where they differ by the test that decided: [`crate::picture::tiles::above_limits`] or
+    /// [`crate::picture::tiles::z_map`]; `None` if the test could not be made.
+    pub map: Option<Picture>,
 }
 
 /// One scene, one accelerator, one reference picture.
@@ -83,6 +92,8 @@ pub struct TierVerdict {
     pub samples: u64,
     /// Time that ours took, seconds.
     pub seconds: f64,
+    /// Rays that ours took, of all renders together.
+    pub rays: u64,
     /// Distances; `None` if they could not be measured.
     pub metrics: Option<Metrics>,
     /// Mean FLIP error; `None` if it could not be measured.
@@ -107,6 +118,7 @@ impl TierVerdict {
             size: (0, 0),
             samples: 0,
             seconds: 0.0,
+            rays: 0,
             metrics: None,
             flip: None,
             test: None,
@@ -153,6 +165,8 @@ pub struct Entry {
     pub build_seconds: f64,
     /// What was found.
     pub verdict: CaseVerdict,
+    /// The work of camera rays; `None` if it was not asked for or there is no picture.
+    pub steps: Option<Steps>,
 }
 
 /// Everything that a validation found.
@@ -282,9 +296,9 @@ impl Report {
         text
     }
 
-    /// One self-contained HTML page; shows pictures if they were kept.
-    pub fn html(&self) -> String {
-        html::page(self)
+    /// One self-contained HTML page; shows pictures and steps if they were kept.
+    pub fn html(&self, environment: &Environment) -> String {
+        html::page(self, environment)
     }
 
     /// Writes the kept pictures to `folder`, made if missing: `CASE-RENDERER-ACCELERATOR-ours.exr`, `-theirs.exr` and

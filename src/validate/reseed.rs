@@ -36,7 +36,7 @@ pub(super) fn reseeds(
     for set in 1..=options.reseeds {
         tell(set);
         let first_seed = 1 + u64::from(set) * u64::from(options.replicates);
-        let ours = replicate(wanted, first_seed, scene, accel, options)?;
+        let (ours, _) = replicate(wanted, first_seed, scene, accel, options)?;
         if options.stopped() {
             break;
         }

@@ -1,8 +1,8 @@
 //! Pictures of any scene that any other program made, against ours.
 
-use super::images::{conclude, judge_deterministic};
+use super::images::{conclude_noisy, judge_deterministic};
 use super::replicates::{Measured, Moments, Wanted, replicate};
-use super::report::{CaseVerdict, Entry, Provenance, Renderer, Report, Test, TierVerdict};
+use super::report::{CaseVerdict, Provenance, Renderer, Report, Test, TierVerdict};
 use super::{Options, reseed};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
@@ -58,6 +58,8 @@ pub fn against(scene: &Scene, theirs: &Theirs, accels: &[String], options: &Opti
         let accel = scene.accel(spec)?;
         let build_seconds = start.elapsed().as_secs_f64();
         let tier = compare(&known, scene, &*accel, theirs, options)?;
+        let verdict = CaseVerdict { case: scene.name.clone(), tiers: vec![tier] };
+        let entry = options.entry((spec, build_seconds), verdict, scene, &*accel)?;
         if options.stopped() {
             break;
         }
@@ -68,8 +70,7 @@ pub fn against(scene: &Scene, theirs: &Theirs, accels: &[String], options: &Opti
             let wanted = wanted(&measured.mean, theirs);
             report.reseeds = reseed::reseeds(&scene.name, measured, wanted, (scene, &*accel), options, &mut tell)?;
         }
-        let verdict = CaseVerdict { case: scene.name.clone(), tiers: vec![tier] };
-        report.add(Entry { accel: spec.clone(), build_seconds, verdict });
+        report.add(entry);
     }
     report.unfinished = total - report.entries.len() - report.reseeds.len();
     options.tell(total, total, "");
@@ -127,7 +128,7 @@ fn wanted(picture: &Picture, theirs: &Theirs) -> Wanted {
 fn compare(known: &Known, scene: &Scene, accel: &dyn Accel, theirs: &Theirs, options: &Options) -> Result<TierVerdict> {
     let mut verdict = TierVerdict::new(Renderer::Other, provenance(theirs));
     let start = Instant::now();
-    let ours = match known {
+    let (ours, rays) = match known {
         Known::Exact(picture) => {
             let limits = DeterministicLimits::default();
             return judge_deterministic(
@@ -152,7 +153,8 @@ fn compare(known: &Known, scene: &Scene, accel: &dyn Accel, theirs: &Theirs, opt
         }
         verdict.test = Some(Test::Statistical(test));
         verdict.samples = u64::from(options.replicates) * u64::from(options.spp);
-        conclude(&mut verdict, ours.mean, measured.mean.clone(), options);
+        verdict.rays = rays;
+        conclude_noisy(&mut verdict, &ours, measured, options);
     }
     Ok(verdict)
 }

@@ -4,6 +4,10 @@ use crate::picture::{Picture, metrics};
 
 /// Pixels darker than this are compared as if they were this bright.
 const DARK: f64 = 0.1;
+/// The share for [`DeterministicVerdict::out1`].
+pub(super) const ONE_PERCENT: f64 = 0.01;
+/// The share for [`DeterministicVerdict::out01`].
+pub(super) const TENTH_PERCENT: f64 = 0.001;
 
 /// Largest values that pass.
 ///
@@ -77,10 +81,8 @@ pub fn deterministic(test: &Picture, reference: &Picture, limits: DeterministicL
     for (a, b) in test.pixels.iter().zip(&reference.pixels) {
         let (a, b) = (a.map(f64::from), b.map(f64::from));
         let difference = [0, 1, 2].map(|c| (a[c] - b[c]).abs());
-        let largest = difference.into_iter().fold(0.0, f64::max);
-        let bright = b.into_iter().fold(DARK, f64::max);
-        above_1 += usize::from(largest > 0.01 * bright);
-        above_01 += usize::from(largest > 0.001 * bright);
+        above_1 += usize::from(is_off(a, b, ONE_PERCENT));
+        above_01 += usize::from(is_off(a, b, TENTH_PERCENT));
         squares.push(difference.iter().map(|d| d * d).sum::<f64>());
         for c in 0..3 {
             sums[c][0] += a[c];
@@ -93,6 +95,12 @@ pub fn deterministic(test: &Picture, reference: &Picture, limits: DeterministicL
     verdict.ratio = sums.iter().map(|s| (metrics::ratio(s[0], s[1]) - 1.0).abs()).fold(0.0, f64::max);
     verdict.judge();
     verdict
+}
+
+/// True if the largest difference of a channel is above `share` of the reference's largest channel, `b`.
+pub(super) fn is_off(a: [f64; 3], b: [f64; 3], share: f64) -> bool {
+    let largest = (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
+    largest > share * b.into_iter().fold(DARK, f64::max)
 }
 
 /// Root mean square of a channel without the worst fiftieth of the pixels; `squares` has a sum of three for each.

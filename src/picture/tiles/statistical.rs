@@ -98,28 +98,19 @@ pub fn statistical(test: Estimate, reference: Estimate, limits: StatisticalLimit
         verdict.reasons.push(reason);
         return verdict;
     }
-    let (width, height) = (test.mean.width as usize, test.mean.height as usize);
     let (mut chi2, mut least_p) = (0.0, 1.0);
     let mut whole = Pair::default();
-    for y in (0..height).step_by(TILE) {
-        for x in (0..width).step_by(TILE) {
-            let mut tile = Pair::default();
-            for row in y..(y + TILE).min(height) {
-                for i in row * width + x..row * width + (x + TILE).min(width) {
-                    tile.add(&test, &reference, i);
-                }
-            }
-            whole.join(&tile);
-            verdict.tiles += 1;
-            chi2 += deviations(tile.p(Channel::All)).powi(2);
-            for c in 0..3 {
-                let p = tile.p(Channel::One(c));
-                if p < least_p {
-                    (least_p, verdict.max_at) = (p, (x as u32, y as u32));
-                }
+    each_tile(&test, &reference, |at, tile| {
+        whole.join(tile);
+        verdict.tiles += 1;
+        chi2 += deviations(tile.p(Channel::All)).powi(2);
+        for c in 0..3 {
+            let p = tile.p(Channel::One(c));
+            if p < least_p {
+                (least_p, verdict.max_at) = (p, at);
             }
         }
-    }
+    });
     let tests = (3 * verdict.tiles) as f64;
     verdict.chi2 = chi2;
     verdict.chi2_p = chi_squared_tail(chi2, verdict.tiles as f64);
@@ -132,7 +123,24 @@ pub fn statistical(test: Estimate, reference: Estimate, limits: StatisticalLimit
     verdict
 }
 
-fn unusable(test: &Estimate, reference: &Estimate) -> Option<String> {
+/// Calls `found` with the column and row of the first pixel of each tile, row by row, and its sums.
+pub(super) fn each_tile(test: &Estimate, reference: &Estimate, mut found: impl FnMut((u32, u32), &Pair)) {
+    let (width, height) = (test.mean.width as usize, test.mean.height as usize);
+    for y in (0..height).step_by(TILE) {
+        for x in (0..width).step_by(TILE) {
+            let mut tile = Pair::default();
+            for row in y..(y + TILE).min(height) {
+                for i in row * width + x..row * width + (x + TILE).min(width) {
+                    tile.add(test, reference, i);
+                }
+            }
+            found((x as u32, y as u32), &tile);
+        }
+    }
+}
+
+/// Why the two cannot be compared.
+pub(super) fn unusable(test: &Estimate, reference: &Estimate) -> Option<String> {
     for (side, who) in [(test, "ours"), (reference, "theirs")] {
         if let Err(error) = metrics::check(side.variance, side.mean) {
             return Some(format!("{who}, variance against mean: {error}"));
@@ -202,8 +210,9 @@ impl Side {
     }
 }
 
+/// The sums of both sides.
 #[derive(Default)]
-struct Pair {
+pub(super) struct Pair {
     test: Side,
     reference: Side,
 }
@@ -217,6 +226,12 @@ impl Pair {
     fn join(&mut self, other: &Pair) {
         self.test.join(&other.test);
         self.reference.join(&other.reference);
+    }
+
+    /// Standard deviations by which the means over all channels differ, above 0 where that of the test is greater.
+    pub(super) fn z(&self) -> f64 {
+        let [test, reference] = [&self.test, &self.reference].map(|side| side.estimate(Channel::All).0);
+        deviations(self.p(Channel::All)).copysign(test - reference)
     }
 
     /// Probability that the means differ at least so much by chance, both directions.

@@ -1,215 +1,155 @@
-//! The report as one page that needs no network.
+//! The report as one page that needs no network: its frame, and what its parts share.
 
-use super::{Entry, Report, Reseed, Test, TierVerdict};
+use super::tables::{metrics, power, speed, verdicts};
+use super::viewer::{legends, scene};
+use super::{Environment, Report, TierVerdict};
 use crate::picture::{Picture, falsecolour, io};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use std::fmt::Write as _;
 use std::path::Path;
 
-const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("flip.js");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+const SELF_TEST: &str = include_str!("selftest.js");
 
-pub(super) fn page(report: &Report) -> String {
+pub(super) fn page(report: &Report, environment: &Environment) -> String {
     let mut page = String::from("<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n");
     page.push_str("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
-    let _ = write!(page, "<title>skipgrid: validation</title>\n<style>\n{STYLE}</style>\n");
-    let (class, word) = verdict(report.passed());
-    let _ = writeln!(page, "<h1>Validation <span class=\"{class}\">{word}</span></h1>");
+    // An empty icon: else browsers ask for one.
+    page.push_str("<link rel=\"icon\" href=\"data:,\">\n<title>skipgrid: validation</title>\n");
+    let _ = write!(page, "<style>\n{STYLE}{}</style>\n", ramps());
+    let _ = writeln!(page, "<header>\n<h1>Validation {}</h1>", badge(report.passed()));
     for line in report.summary().lines() {
         let _ = writeln!(page, "<p>{}</p>", escape(line));
     }
-    page.push_str(&legend());
-    table(&mut page, report);
+    page.push_str("</header>\n");
+    contents(&mut page, report);
+    page.push_str("<main>\n");
+    verdicts(&mut page, report);
+    metrics(&mut page, report);
+    speed(&mut page, report);
     power(&mut page, report);
-    for entry in &report.entries {
-        for tier in &entry.verdict.tiers {
-            section(&mut page, entry, tier);
-        }
+    page.push_str(&legends());
+    for case in report.cases() {
+        scene(&mut page, report, case);
     }
-    let _ = writeln!(page, "<script>\n{SCRIPT}</script>\n</html>");
+    origin(&mut page, report, environment);
+    let _ = writeln!(page, "</main>\n<script>\n{SCRIPT}{SELF_TEST}</script>\n</html>");
     page
 }
 
-fn verdict(passed: bool) -> (&'static str, &'static str) {
-    if passed { ("pass", "passed") } else { ("fail", "FAILED") }
+/// Renders that gave the same picture of a scene, and so the same verdict against one reference.
+pub(super) struct Group<'a> {
+    /// The one whose pictures are kept.
+    pub tier: &'a TierVerdict,
+    /// Specifications of the accelerators.
+    pub accels: Vec<&'a str>,
 }
 
-fn anchor(entry: &Entry, tier: &TierVerdict) -> String {
-    let accel = entry.accel.replace(|c: char| !c.is_ascii_alphanumeric(), "-");
-    let case = entry.verdict.case.replace(|c: char| !c.is_ascii_alphanumeric() && c != '-' && c != '_', "_");
-    format!("{case}-{}-{accel}", tier.renderer)
+impl Report {
+    /// Names of the scenes, each once.
+    pub(super) fn cases(&self) -> Vec<&str> {
+        let mut cases: Vec<&str> = Vec::new();
+        for entry in &self.entries {
+            if !cases.contains(&entry.verdict.case.as_str()) {
+                cases.push(&entry.verdict.case);
+            }
+        }
+        cases
+    }
+
+    /// The comparisons of a scene, those with equal pictures and reasons taken together.
+    pub(super) fn groups(&self, case: &str) -> Vec<Group<'_>> {
+        let mut groups: Vec<Group> = Vec::new();
+        for (entry, tier) in self.rows().filter(|(entry, _)| entry.verdict.case == case) {
+            let same = |g: &&mut Group| {
+                let t = g.tier;
+                t.renderer == tier.renderer && t.ours_sha256 == tier.ours_sha256 && t.reasons == tier.reasons
+            };
+            match groups.iter_mut().find(same) {
+                Some(group) => group.accels.push(&entry.accel),
+                None => groups.push(Group { tier, accels: vec![&entry.accel] }),
+            }
+        }
+        groups
+    }
 }
 
-/// Where the page shows these pixels: equal pictures are kept once.
-fn shown(report: &Report, entry: &Entry, tier: &TierVerdict) -> Option<String> {
-    let same = |e: &Entry, t: &TierVerdict| {
-        e.verdict.case == entry.verdict.case && t.renderer == tier.renderer && t.ours_sha256 == tier.ours_sha256
+/// Links to all parts.
+fn contents(page: &mut String, report: &Report) {
+    page.push_str("<nav aria-label=\"contents\">\n<ul>\n");
+    let mut parts = vec![("verdicts", "Verdicts"), ("metrics", "Metrics"), ("speed", "Speed")];
+    if !report.reseeds.is_empty() {
+        parts.push(("power", "Other seeds"));
+    }
+    parts.extend([("reading", "How to read the pictures"), ("environment", "Environment")]);
+    for (at, title) in parts {
+        let _ = writeln!(page, "<li><a href=\"#{at}\">{title}</a></li>");
+    }
+    page.push_str("</ul>\n<ul>\n");
+    for case in report.cases() {
+        let passed = report.entries.iter().filter(|e| e.verdict.case == case).all(|e| e.verdict.passed());
+        let mark = if passed { "" } else { " <b class=\"fail\">FAILED</b>" };
+        let _ = writeln!(page, "<li><a href=\"#{}\">{}</a>{mark}</li>", anchor(case), escape(case));
+    }
+    page.push_str("</ul>\n</nav>\n");
+}
+
+/// What it was run with.
+fn origin(page: &mut String, report: &Report, environment: &Environment) {
+    page.push_str("<section id=\"environment\">\n<h2>Environment</h2>\n<dl>\n");
+    let mut item = |name: &str, value: &str| {
+        let _ = writeln!(page, "<dt>{name}</dt><dd>{}</dd>", escape(value));
     };
-    report.rows().find(|(e, t)| t.pictures.is_some() && same(e, t)).map(|(e, t)| anchor(e, t))
-}
-
-fn table(page: &mut String, report: &Report) {
-    page.push_str("<table>\n<thead><tr>");
-    for heading in
-        ["case", "accelerator", "against", "verdict", "RMSE", "relMSE", "FLIP", "&gt; 1 %", "&gt; 0.1 %", "reason"]
-    {
-        let _ = write!(page, "<th>{heading}</th>");
-    }
-    page.push_str("</tr></thead>\n<tbody>\n");
-    for (entry, tier) in report.rows() {
-        let (class, word) = verdict(tier.passed);
-        let name = escape(&entry.verdict.case);
-        let name = shown(report, entry, tier).map_or(name.clone(), |at| format!("<a href=\"#{at}\">{name}</a>"));
-        let _ = write!(
-            page,
-            "<tr><td>{name}</td><td>{}</td><td>{}</td><td class=\"{class}\">{word}</td>",
-            escape(&entry.accel),
-            tier.renderer
-        );
-        let cells = match &tier.metrics {
-            Some(m) => [
-                format!("{:.2e}", m.rmse),
-                format!("{:.2e}", m.rel_mse),
-                tier.flip.map_or("-".into(), |v| format!("{v:.4}")),
-                format!("{:.3} %", 100.0 * m.above_1_percent),
-                format!("{:.3} %", 100.0 * m.above_01_percent),
-            ],
-            None => ["-"; 5].map(String::from),
-        };
-        for cell in cells {
-            let _ = write!(page, "<td class=\"number\">{cell}</td>");
+    item("program", &environment.program);
+    item("machine", &environment.machine);
+    item("command", &environment.command);
+    item("threads", &environment.threads.map_or("as many as there are cores".into(), |n| n.to_string()));
+    let Environment { replicates, spp, .. } = environment;
+    item("against noise", &format!("{replicates} renders of {spp} samples for each pixel"));
+    let mut versions: Vec<&str> = Vec::new();
+    for (_, tier) in report.rows() {
+        if !versions.contains(&tier.reference.version.as_str()) {
+            versions.push(&tier.reference.version);
         }
-        let _ = writeln!(page, "<td>{}</td></tr>", escape(&tier.reason()));
     }
-    page.push_str("</tbody>\n</table>\n");
+    item("references", &versions.join("; "));
+    page.push_str("</dl>\n</section>\n");
 }
 
-/// The probabilities of all sets of other seeds.
-fn power(page: &mut String, report: &Report) {
-    if report.reseeds.is_empty() {
-        return;
-    }
-    page.push_str(
-        "<section id=\"power\">\n<h2>Power: our renders with other seeds</h2>\n<p>Probabilities that a renderer without a \
-         fault differs so much by chance. A set fails below the usual limits over the number of sets.</p>\n<table>\n<thead>\
-         <tr><th>case</th><th>first seed</th><th>chi-squared</th><th>worst tile</th><th>mean</th><th>verdict</th></tr>\
-         </thead>\n<tbody>\n",
-    );
-    for Reseed { case, first_seed, verdict: v } in &report.reseeds {
-        let (class, word) = verdict(v.passed);
-        let _ = write!(page, "<tr><td>{}</td>", escape(case));
-        for cell in [
-            first_seed.to_string(),
-            format!("{:.1e}", v.chi2_p),
-            format!("{:.1e}", v.max_p),
-            format!("{:.1e}", v.global_p),
-        ] {
-            let _ = write!(page, "<td class=\"number\">{cell}</td>");
+/// A verdict as a word in its colour.
+pub(super) fn badge(passed: bool) -> String {
+    let (class, word) = if passed { ("pass", "passed") } else { ("fail", "FAILED") };
+    format!("<span class=\"{class}\">{word}</span>")
+}
+
+/// Where a scene stands on the page. Its name may be any text.
+pub(super) fn anchor(case: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let escaped: Vec<String> =
+        case.chars().map(|c| if plain(c) { c.to_string() } else { format!(".{:x}", u32::from(c)) }).collect();
+    format!("scene-{}", escaped.concat())
+}
+
+/// The colours of the scales, for the style.
+fn ramps() -> String {
+    let bar = |colour: &dyn Fn(f32) -> [f32; 3]| {
+        let mut bar = Picture::new(256, 1);
+        for (i, pixel) in bar.pixels.iter_mut().enumerate() {
+            *pixel = colour(i as f32 / 255.0);
         }
-        let _ = writeln!(page, "<td class=\"{class}\" title=\"{}\">{word}</td></tr>", escape(&v.reasons.join("; ")));
-    }
-    page.push_str("</tbody>\n</table>\n</section>\n");
-}
-
-fn section(page: &mut String, entry: &Entry, tier: &TierVerdict) {
-    let Some(pictures) = &tier.pictures else { return };
-    let (class, word) = verdict(tier.passed);
-    let _ = writeln!(
-        page,
-        "<section id=\"{}\">\n<h2>{} <small>{} against {}</small> <span class=\"{class}\">{word}</span></h2>",
-        anchor(entry, tier),
-        escape(&entry.verdict.case),
-        escape(&entry.accel),
-        escape(&tier.reference.version)
-    );
-    for reason in &tier.reasons {
-        let _ = writeln!(page, "<p>{}</p>", escape(reason));
-    }
-    let (ours, theirs) = (data_uri(&pictures.ours), data_uri(&pictures.theirs));
-    let difference = falsecolour::difference(&pictures.ours, &pictures.theirs).ok().and_then(|map| data_uri(&map));
-    page.push_str("<div class=\"pictures\">\n");
-    if let (Some(ours), Some(theirs)) = (ours, theirs) {
-        let _ = writeln!(
-            page,
-            "<button class=\"flip\" type=\"button\" aria-label=\"ours and theirs in turn\">\
-             <img class=\"ours\" src=\"{ours}\" alt=\"ours\"><img class=\"theirs\" src=\"{theirs}\" alt=\"theirs\">\
-             <span class=\"ours\">ours (click for theirs)</span><span class=\"theirs\">theirs (click for ours)</span>\
-             </button>"
-        );
-    }
-    if let Some(difference) = difference {
-        let _ = writeln!(
-            page,
-            "<figure><img src=\"{difference}\" alt=\"difference\"><figcaption>difference</figcaption></figure>"
-        );
-    }
-    page.push_str("</div>\n");
-    numbers(page, entry, tier);
-    page.push_str("</section>\n");
-}
-
-/// The numbers behind the verdict and how the reference was made.
-fn numbers(page: &mut String, entry: &Entry, tier: &TierVerdict) {
-    page.push_str("<details><summary>numbers and origin</summary>\n<dl>\n");
-    let mut item = |name: &str, value: String| {
-        let _ = writeln!(page, "<dt>{name}</dt><dd>{}</dd>", escape(&value));
+        data_uri(&bar).unwrap_or_default()
     };
-    match &tier.test {
-        Some(Test::Deterministic(t)) => {
-            let of = |value: f64, limit: f64| format!("{value:.3e}, allowed {limit:.3e}");
-            item("pixels off by more than 1 %, share", of(t.out1, t.limits.out1));
-            item("pixels off by more than 0.1 %, share", of(t.out01, t.limits.out01));
-            item("RMSE without the worst 2 %", of(t.trim, t.limits.trim));
-            item("deviation of a channel's mean", of(t.ratio, t.limits.ratio));
-        }
-        Some(Test::Statistical(t)) => {
-            let of = |p: f64, limit: f64| format!("{p:.3e}, least allowed {limit:.0e}");
-            item("tiles", t.tiles.to_string());
-            item("chi-squared over the tiles", format!("{:.1}", t.chi2));
-            item("its probability", of(t.chi2_p, t.limits.chi2));
-            item("probability of the worst tile", of(t.max_p, t.limits.max));
-            item("probability of the mean", of(t.global_p, t.limits.global));
-        }
-        None => {}
-    }
-    if let Some(m) = &tier.metrics {
-        item("largest difference", format!("{:.3e} in column {}, row {}", m.max, m.max_at.0, m.max_at.1));
-        item("ratio of the means", format!("{:.6}", m.mean_ratio));
-        item("PSNR", format!("{:.2} dB", m.psnr));
-    }
-    let (width, height) = tier.size;
-    item("size and samples", format!("{width} x {height}, {} for each pixel", tier.samples));
-    item("time, ours", format!("{:.2} s, build {:.1} ms", tier.seconds, 1e3 * entry.build_seconds));
-    if let Some(seconds) = tier.reference.seconds {
-        item("time, theirs", format!("{seconds:.2} s"));
-    }
-    item("command, theirs", tier.reference.command.clone());
-    if let Some(reason) = &tier.reference.tolerance_reason {
-        item("why this tolerance", reason.clone());
-    }
-    page.push_str("</dl></details>\n");
+    let ramp = bar(&falsecolour::colour);
+    let sides = bar(&|level| falsecolour::diverging(2.0 * level - 1.0));
+    format!(":root {{ --ramp: url(\"{ramp}\"); --sides: url(\"{sides}\"); }}\n")
 }
 
-/// The scale of the difference pictures.
-fn legend() -> String {
-    let mut bar = Picture::new(128, 1);
-    for (i, pixel) in bar.pixels.iter_mut().enumerate() {
-        *pixel = falsecolour::colour(i as f32 / 127.0);
-    }
-    let Some(uri) = data_uri(&bar) else { return String::new() };
-    format!(
-        "<p class=\"legend\">Difference, largest channel over the reference's (at least 0.1): {:e} \
-         <img src=\"{uri}\" alt=\"black to white\"> {}</p>\n",
-        falsecolour::LEAST,
-        falsecolour::MOST
-    )
-}
-
-fn data_uri(picture: &Picture) -> Option<String> {
+pub(super) fn data_uri(picture: &Picture) -> Option<String> {
     let png = io::encode_png(Path::new("report"), picture).ok()?;
     Some(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(&png)))
 }
 
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

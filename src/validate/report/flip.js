@@ -1,3 +1,0 @@
-for (const button of document.querySelectorAll(".flip")) {
-  button.addEventListener("click", () => button.classList.toggle("turned"));
-}
