@@ -126,14 +126,15 @@ mod tests {
 
     #[test]
     fn the_worst_exposure_shows_the_difference() {
-        // One bright and many dim pixels: what differs among the dim ones shows at the last exposure only.
+        // One bright and many dim pixels: what differs among the dim ones shows at long exposures, and at the longest less, where both
+        // are near white. flip-evaluator 1.7, asked for one exposure at a time, finds 0.4499 at number 13, 0.4125 and 0.3869 beside it.
         let mut reference = Picture { pixels: vec![[0.01; 3]; 64], ..Picture::new(8, 8) };
         reference.pixels[0] = [1000.0; 3];
         let mut test = reference.clone();
         test.pixels[63] = [0.02; 3];
         let found = compare(&test, &reference, &|_, _| {}).expect("comparable");
-        assert_eq!(found.worst[63], found.exposures.count - 1);
-        assert!(found.map.errors[63] > 0.1 && found.map.errors[0] < found.map.errors[63]);
+        assert_eq!((found.worst[63], found.exposures.count), (13, 17));
+        assert!((found.map.errors[63] - 0.4499).abs() < 1e-4 && found.map.errors[0] < found.map.errors[63]);
         let same = compare(&test, &test, &|_, _| {}).expect("comparable");
         assert_eq!((same.map.mean(), same.worst[63]), (0.0, 0));
         assert_eq!(tone_mapped(f64::from(f32::MAX) * 2f64.powi(24)).round(), 1.0);
