@@ -128,7 +128,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         count_steps: args.report.is_some(),
         progress: Some(&progress),
         stop: Some(interrupt::request()),
-        ..Options::default()
     };
     let report = match &args.scene {
         Some(name) => {
