@@ -250,19 +250,17 @@ pub fn sweep(
         sweep.take(result);
         built.truncate(1);
     }
-    for accel in 0..specs.len() {
+    for (accel, spec) in specs.iter().enumerate() {
         if stop.load(Ordering::Relaxed) {
             sweep.interrupted = true;
             break;
         }
-        let stage = |stage: &str| {
-            progress(groups.len() + accel, all, &format!("{}, the best once more: {stage}", specs[accel]))
-        };
+        let stage = |stage: &str| progress(groups.len() + accel, all, &format!("{spec}, the best once more: {stage}"));
         let own = if accel == 0 { 0 } else { built.len() };
         let best: Vec<Setting> =
             (0..sweep.kinds.len()).filter_map(|kind| sweep.candidate(accel, kind)).cloned().collect();
         if accel > 0 {
-            built.push(make(scene, &specs[accel])?);
+            built.push(make(scene, spec)?);
         }
         let mut rows = Vec::new();
         for setting in &best {

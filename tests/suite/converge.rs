@@ -88,7 +88,7 @@ fn the_error_falls_as_one_over_samples_and_leaves_no_bias() {
 
 #[test]
 fn independent_samples_fall_exactly_as_one_over_their_number() {
-    let (scene, count) = (cornell(), 128u64);
+    let (scene, count) = (cornell(), 512u64);
     let accel = scene.accel("grid").expect("a grid");
     let film = |samples, seed| {
         let settings = Settings {
@@ -343,7 +343,7 @@ fn bad_input_has_its_code_and_says_why() {
         (&["cornell", "--replicates", "2"], 2, "2"),
         (&["cornell", "--accel", "gird"], 2, "did you mean `grid`?"),
         (&["cornell", "--against", "blender"], 2, "blender"),
-        (&["cornell", "--target", "-1"], 2, "above 0"),
+        (&["cornell", "--target", "0"], 2, "above 0"),
         (&["cornell", "--equal-time", "1"], 2, "--pictures"),
         (&["cornell", "--svg", "nowhere/a.svg"], 3, "nowhere"),
     ];
