@@ -1,7 +1,7 @@
 //! Chooses an accelerator for a scene and a number of rays, and says what it leaves out and why.
 //!
 //! A structure is worth building if it saves more on the rays than it costs. So the choice is the least of estimated times, build and
-//! rays together: [`costs`] has the estimates, from measurements, and [`look`] what they depend on. A wrong estimate costs time, never an
+//! rays together: `costs` has the estimates, from measurements, and [`Look`] what they depend on. A wrong estimate costs time, never an
 //! answer: all that can be chosen gives the same bits.
 
 mod costs;
