@@ -27,7 +27,8 @@ impl Buffer {
     /// # Errors
     /// The memory monitor refuses, or there is no such memory.
     pub fn new(device: Arc<Device>, bytes: usize) -> Result<Self, Fault> {
-        let none = |why: &str| Fault { code: ErrorCode::OutOfMemory, message: format!("a buffer of {bytes} bytes: {why}") };
+        let none =
+            |why: &str| Fault { code: ErrorCode::OutOfMemory, message: format!("a buffer of {bytes} bytes: {why}") };
         let units = bytes.div_ceil(16).checked_add(1).ok_or_else(|| none("too large"))?;
         let Ok(counted) = isize::try_from(bytes) else { return Err(none("too large")) };
         if !device.memory(counted) {
@@ -91,14 +92,19 @@ impl View {
     /// Embree's rules: offset and stride are multiples of 4, the format is one of its own, the items lie in the buffer.
     pub fn new(buffer: Arc<Buffer>, offset: usize, stride: usize, count: usize, format: u32) -> Result<Self, Fault> {
         if !offset.is_multiple_of(4) || !stride.is_multiple_of(4) {
-            return Err(Fault::operation(format!("offset {offset} and stride {stride} of a buffer must be multiples of 4")));
+            return Err(Fault::operation(format!(
+                "offset {offset} and stride {stride} of a buffer must be multiples of 4"
+            )));
         }
         if u32::try_from(count).is_err() {
             return Err(Fault::argument(format!("a buffer of {count} items, at most {} can be told apart", u32::MAX)));
         }
-        let item = format::bytes(format).ok_or_else(|| Fault::unsupported(&format!("buffers of format {format:#x}")))?;
+        let item =
+            format::bytes(format).ok_or_else(|| Fault::unsupported(&format!("buffers of format {format:#x}")))?;
         // Embree lets the last item end where its own bytes end, not its stride.
-        let needed = count.checked_sub(1).map_or(Some(0), |last| stride.checked_mul(last)?.checked_add(item)?.checked_add(offset));
+        let needed = count
+            .checked_sub(1)
+            .map_or(Some(0), |last| stride.checked_mul(last)?.checked_add(item)?.checked_add(offset));
         if needed.is_none_or(|needed| needed > buffer.bytes) {
             return Err(Fault::argument(format!(
                 "{count} items of {item} bytes every {stride} from {offset} on do not lie in a buffer of {} bytes",

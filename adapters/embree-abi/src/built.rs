@@ -63,7 +63,8 @@ impl Built {
     ) -> Result<Self, Fault> {
         let device = scene.device.clone();
         let mut step = |share: f64| {
-            let cancelled = || Fault { code: ErrorCode::Cancelled, message: "the progress monitor stopped the build".into() };
+            let cancelled =
+                || Fault { code: ErrorCode::Cancelled, message: "the progress monitor stopped the build".into() };
             if goes_on(share) { Ok(()) } else { Err(cancelled()) }
         };
         step(0.0)?;
@@ -85,7 +86,9 @@ impl Built {
                     (if asked { &mut filtered } else { &mut plain }).add(index, geometry)?;
                 }
                 GeometryType::User => {
-                    for primitive in 0..geometry.state().user_primitives {
+                    // Its functions may ask the geometry: nothing of it is held meanwhile.
+                    let count = geometry.state().user_primitives;
+                    for primitive in 0..count {
                         list.push((index, primitive));
                         boxes.push(user_bounds(geometry, primitive)?);
                     }
@@ -143,7 +146,11 @@ impl Built {
         G: skipgrid::Geometry + 'static,
     {
         let accel = self.device.install(|| registry::build(spec, geometry)).map_err(|error| Fault {
-            code: if matches!(error, skipgrid::Error::TooLarge { .. }) { ErrorCode::OutOfMemory } else { ErrorCode::Unknown },
+            code: if matches!(error, skipgrid::Error::TooLarge { .. }) {
+                ErrorCode::OutOfMemory
+            } else {
+                ErrorCode::Unknown
+            },
             message: error.to_string(),
         })?;
         let bytes = (accel.memory().total() as isize).saturating_add(bytes as isize);
@@ -184,9 +191,9 @@ fn instance_bounds(scene: &Scene, geometry: &Geometry) -> Result<Aabb, Fault> {
         return Err(Fault::operation("a scene that instances itself"));
     }
     shown.with_built(|built| match built {
-        Some(built) if built.has_instances => {
-            Err(Fault::unsupported("instances of scenes with instances (hits have one instance number, as in Embree's usual builds)"))
-        }
+        Some(built) if built.has_instances => Err(Fault::unsupported(
+            "instances of scenes with instances (hits have one instance number, as in Embree's usual builds)",
+        )),
         Some(built) => Ok(transform::image(&state.transform, &built.bounds())),
         None => Ok(Aabb::EMPTY),
     })

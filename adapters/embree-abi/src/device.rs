@@ -129,7 +129,11 @@ impl Device {
     /// Runs `work` on the threads of the device, which begin with the first call and end with the device.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         let pool = self.pool.get_or_init(|| {
-            let threads = if self.threads > 0 { self.threads } else { std::thread::available_parallelism().map_or(1, NonZero::get) };
+            let threads = if self.threads > 0 {
+                self.threads
+            } else {
+                std::thread::available_parallelism().map_or(1, NonZero::get)
+            };
             rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("skipgrid-{i}")).build().ok()
         });
         match pool {
@@ -277,7 +281,10 @@ mod tests {
         let fault = Device::new(Version::Three, "accel=gird").unwrap_err();
         assert_eq!(fault.code, ErrorCode::InvalidArgument);
         assert!(fault.message.contains("did you mean `grid`"), "{}", fault.message);
-        assert_eq!(Device::new(Version::Three, "accel=grid:density=4;mailbox=on").unwrap().accel(), "grid:density=4,mailbox=on");
+        assert_eq!(
+            Device::new(Version::Three, "accel=grid:density=4;mailbox=on").unwrap().accel(),
+            "grid:density=4,mailbox=on"
+        );
     }
 
     #[test]

@@ -3,7 +3,9 @@
 use crate::buffer::{Buffer, View};
 use crate::device::{Callback, Device, Fault};
 use crate::scene::Scene;
-use crate::types::{BoundsFunction, FilterFunction, GeometryType, INVALID_ID, UserFunction, Version, buffer_type, format};
+use crate::types::{
+    BoundsFunction, FilterFunction, GeometryType, INVALID_ID, UserFunction, Version, buffer_type, format,
+};
 use glam::DAffine3;
 use std::ffi::c_void;
 use std::ptr;
@@ -138,9 +140,17 @@ impl Geometry {
     ///
     /// # Errors
     /// As [`Geometry::set_view`] and [`Buffer::new`].
-    pub fn set_new_buffer(&self, kind: u32, slot: u32, format: u32, stride: usize, count: usize) -> Result<*mut c_void, Fault> {
+    pub fn set_new_buffer(
+        &self,
+        kind: u32,
+        slot: u32,
+        format: u32,
+        stride: usize,
+        count: usize,
+    ) -> Result<*mut c_void, Fault> {
         self.suits(&self.state(), kind, slot, format)?;
-        let bytes = stride.checked_mul(count).ok_or_else(|| Fault::argument(format!("{count} items every {stride} bytes")))?;
+        let bytes =
+            stride.checked_mul(count).ok_or_else(|| Fault::argument(format!("{count} items every {stride} bytes")))?;
         let view = View::new(Arc::new(Buffer::new(self.device.clone(), bytes)?), 0, stride, count, format)?;
         let data = view.data();
         self.set_view(kind, slot, view)?;
@@ -160,8 +170,12 @@ impl Geometry {
             return Err(Fault::operation(format!("buffer slot {slot} of {slots}")));
         }
         match kind {
-            buffer_type::INDEX if format != corners => Err(Fault::operation(format!("indices of format {format:#x}, not {corners:#x}"))),
-            buffer_type::VERTEX if format != format::FLOAT3 => Err(Fault::operation(format!("vertices of format {format:#x}, not three f32"))),
+            buffer_type::INDEX if format != corners => {
+                Err(Fault::operation(format!("indices of format {format:#x}, not {corners:#x}")))
+            }
+            buffer_type::VERTEX if format != format::FLOAT3 => {
+                Err(Fault::operation(format!("vertices of format {format:#x}, not three f32")))
+            }
             buffer_type::VERTEX_ATTRIBUTE if !(format::FLOAT..=format::FLOAT16).contains(&format) => {
                 Err(Fault::operation(format!("vertex attributes of format {format:#x}, not f32")))
             }

@@ -50,8 +50,9 @@ pub unsafe fn interpolate(geometry: &Geometry, place: Place, results: Results) -
         _ => view.words(place.primitive as usize).map(|[a, b, c]| [a, b, c, INVALID_ID]),
     });
     let [a, b, c, d] = corners.ok_or_else(|| none(format!("primitive {}", place.primitive)))?;
-    let values =
-        state.view(place.kind, place.slot).ok_or_else(|| none(format!("buffer of type {} in slot {}", place.kind, place.slot)))?;
+    let values = state
+        .view(place.kind, place.slot)
+        .ok_or_else(|| none(format!("buffer of type {} in slot {}", place.kind, place.slot)))?;
     let quad = geometry.kind == GeometryType::Quad;
     // Quads as scenes cut them; in the second triangle both coordinates run backwards.
     let (corners, u, v, sign) = match quad {

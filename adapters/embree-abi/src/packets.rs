@@ -36,7 +36,9 @@ pub unsafe fn one(scene: *const Scene, ray: *mut Ray, asked: &Asked, closest: bo
     report::rays(closest, 1);
     // SAFETY: as the caller promises.
     unsafe {
-        let Some(scene) = handle::get(scene) else { return raise_without_device(&Fault::argument("a scene that is null")) };
+        let Some(scene) = handle::get(scene) else {
+            return raise_without_device(&Fault::argument("a scene that is null"));
+        };
         scene.with_built(|built| match built {
             None => scene.device.raise(&Fault::operation("rays in a scene that was not committed")),
             Some(built) if closest => Query::closest(built, ray, hit_behind(ray), asked),
@@ -123,7 +125,15 @@ unsafe fn copied(scene: *const Scene, asked: &Asked, closest: bool, place: impl 
 ///
 /// # Safety
 /// As [`packet`], of each.
-pub unsafe fn packets(scene: *const Scene, rays: *mut u32, n: usize, m: usize, stride: usize, asked: &Asked, closest: bool) {
+pub unsafe fn packets(
+    scene: *const Scene,
+    rays: *mut u32,
+    n: usize,
+    m: usize,
+    stride: usize,
+    asked: &Asked,
+    closest: bool,
+) {
     for i in 0..m {
         // SAFETY: as the caller promises.
         unsafe { packet(ptr::null(), n, scene, rays.byte_add(i * stride), asked, closest) };

@@ -128,7 +128,15 @@ impl Triangles {
             (u, v) = (1.0 - u, 1.0 - v);
         }
         let geometry = parts[owner.part as usize].id;
-        Hit { normal, u: u as f32, v: v as f32, primitive, geometry, instance: INVALID_ID, instance_primitive: INVALID_ID }
+        Hit {
+            normal,
+            u: u as f32,
+            v: v as f32,
+            primitive,
+            geometry,
+            instance: INVALID_ID,
+            instance_primitive: INVALID_ID,
+        }
     }
 }
 
@@ -152,7 +160,8 @@ pub fn user_bounds(geometry: &Geometry, primitive: u32) -> Result<Aabb, Fault> {
     let callback = geometry.state().bounds;
     let function = callback.function.ok_or_else(|| Fault::operation("a user geometry without a bounds function"))?;
     let mut bounds = Bounds::EMPTY;
-    let arguments = BoundsArguments { geometry_user: geometry.user(), primitive, time_step: 0, bounds: &raw mut bounds };
+    let arguments =
+        BoundsArguments { geometry_user: geometry.user(), primitive, time_step: 0, bounds: &raw mut bounds };
     // SAFETY: the caller set the function for this purpose; what the arguments point to lives during the call.
     unsafe { function(&raw const arguments) };
     let [min, max] = [bounds.lower, bounds.upper].map(|[x, y, z, _]| Vec3::new(x, y, z));

@@ -22,7 +22,8 @@ static BUILD_NANOSECONDS: AtomicU64 = AtomicU64::new(0);
 static ERRORS: AtomicU64 = AtomicU64::new(0);
 static PRIMITIVES: Level = Level::new();
 static BYTES: Level = Level::new();
-static TEXTS: Mutex<Texts> = Mutex::new(Texts { library: "", file: None, accelerator: String::new(), error: String::new() });
+static TEXTS: Mutex<Texts> =
+    Mutex::new(Texts { library: "", file: None, accelerator: String::new(), error: String::new() });
 static THREADS: Mutex<Vec<Arc<Rays>>> = Mutex::new(Vec::new());
 
 struct Texts {
@@ -130,7 +131,8 @@ fn write() {
     let texts = lock(&TEXTS);
     let Some(file) = &texts.file else { return };
     let line = line(&texts);
-    let written = OpenOptions::new().create(true).append(true).open(file).and_then(|mut f| f.write_all(line.as_bytes()));
+    let written =
+        OpenOptions::new().create(true).append(true).open(file).and_then(|mut f| f.write_all(line.as_bytes()));
     if let Err(error) = written {
         eprintln!("{}: {VARIABLE}={}: {error}", texts.library, file.display());
     }

@@ -7,8 +7,8 @@ use crate::called::{self, FilteredTriangles};
 use crate::device::Fault;
 use crate::part::Part;
 use crate::types::{
-    Arguments4, Context3, Context4, FilterArguments, FilterFunction, Hit, INVALID_ID, INVOKE_FILTER, Ray, UserArguments, UserFunction,
-    Version, hit_words, scene_flag,
+    Arguments4, Context3, Context4, FilterArguments, FilterFunction, Hit, INVALID_ID, INVOKE_FILTER, Ray,
+    UserArguments, UserFunction, Version, hit_words, scene_flag,
 };
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::HashSet;
@@ -229,7 +229,13 @@ impl Query {
     ///
     /// # Safety
     /// `query` is alive and nobody holds a reference to it.
-    pub unsafe fn offer_triangle(query: *mut Query, set: &FilteredTriangles, prim: u32, t: f32, ray: &skipgrid::Ray) -> Option<f32> {
+    pub unsafe fn offer_triangle(
+        query: *mut Query,
+        set: &FilteredTriangles,
+        prim: u32,
+        t: f32,
+        ray: &skipgrid::Ray,
+    ) -> Option<f32> {
         let part = &set.parts[set.triangles.part(prim)];
         let hit = set.triangles.hit(prim, ray, &set.parts);
         // SAFETY: as the caller promises.
@@ -268,7 +274,10 @@ impl Query {
             let Some(function) = own.or((*query).terms.function) else {
                 let what = if any { "an occluded" } else { "an intersect" };
                 let device = (*(*query).built).device();
-                device.raise(&Fault::operation(format!("geometry {} is a user geometry without {what} function", part.id)));
+                device.raise(&Fault::operation(format!(
+                    "geometry {} is a user geometry without {what} function",
+                    part.id
+                )));
                 return None;
             };
             let before = (*ray).tfar;

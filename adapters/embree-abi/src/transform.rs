@@ -21,7 +21,9 @@ pub unsafe fn read(numbers: *const f32, layout: u32) -> Result<DAffine3, Fault> 
         _ => return Err(Fault::operation(format!("{layout:#x} is no format of a transformation"))),
     };
     // SAFETY: as the caller promises.
-    let column = |c: usize| DVec3::from_array([0, 1, 2].map(|r| f64::from(unsafe { numbers.add(place(r, c)).read_unaligned() })));
+    let column = |c: usize| {
+        DVec3::from_array([0, 1, 2].map(|r| f64::from(unsafe { numbers.add(place(r, c)).read_unaligned() })))
+    };
     Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
 }
 
@@ -111,9 +113,12 @@ mod tests {
     #[test]
     fn every_layout_comes_back_as_it_went() {
         let transform = DAffine3::from_cols_array(&std::array::from_fn(|i| 1.0 + i as f64));
-        for layout in
-            [format::FLOAT3X4_ROW_MAJOR, format::FLOAT4X4_ROW_MAJOR, format::FLOAT3X4_COLUMN_MAJOR, format::FLOAT4X4_COLUMN_MAJOR]
-        {
+        for layout in [
+            format::FLOAT3X4_ROW_MAJOR,
+            format::FLOAT4X4_ROW_MAJOR,
+            format::FLOAT3X4_COLUMN_MAJOR,
+            format::FLOAT4X4_COLUMN_MAJOR,
+        ] {
             let mut numbers = [f32::NAN; 16];
             // SAFETY: sixteen are the most that any format has.
             let back = unsafe {

@@ -140,8 +140,10 @@ pub struct Bounds {
 
 impl Bounds {
     /// Contains nothing.
-    pub const EMPTY: Bounds =
-        Bounds { lower: [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0], upper: [f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY, 0.0] };
+    pub const EMPTY: Bounds = Bounds {
+        lower: [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0],
+        upper: [f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY, 0.0],
+    };
 }
 
 /// `RTCRay`.

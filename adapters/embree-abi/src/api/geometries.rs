@@ -23,7 +23,11 @@ unsafe fn with(geometry: *const Geometry, work: impl FnOnce(&Geometry) -> Result
 }
 
 fn only(geometry: &Geometry, kind: GeometryType, what: &str) -> Result<(), Fault> {
-    if geometry.kind == kind { Ok(()) } else { Err(Fault::operation(format!("{what} of a geometry of type {:?}", geometry.kind))) }
+    if geometry.kind == kind {
+        Ok(())
+    } else {
+        Err(Fault::operation(format!("{what} of a geometry of type {:?}", geometry.kind)))
+    }
 }
 
 fn first_time_step(step: u32) -> Result<(), Fault> {

@@ -5,7 +5,9 @@
 mod refused;
 
 use skipgrid_embree::api::devices::new_device;
-use skipgrid_embree::api::geometries::{rtcFilterIntersection, rtcFilterOcclusion, rtcGetGeometryTransform, rtcGetGeometryUserData};
+use skipgrid_embree::api::geometries::{
+    rtcFilterIntersection, rtcFilterOcclusion, rtcGetGeometryTransform, rtcGetGeometryUserData,
+};
 use skipgrid_embree::api::scenes::rtcGetGeometry;
 use skipgrid_embree::device::{Device, last_message};
 use skipgrid_embree::geometry::Geometry;
@@ -53,7 +55,10 @@ pub extern "C-unwind" fn rtcGetDeviceLastErrorMessage(_device: *const Device) ->
 /// # Safety
 /// The geometry is null or alive.
 #[unsafe(no_mangle)]
-pub unsafe extern "C-unwind" fn rtcSetGeometryEnableFilterFunctionFromArguments(geometry: *const Geometry, enable: bool) {
+pub unsafe extern "C-unwind" fn rtcSetGeometryEnableFilterFunctionFromArguments(
+    geometry: *const Geometry,
+    enable: bool,
+) {
     // SAFETY: as the caller promises.
     if let Some(geometry) = unsafe { handle::get(geometry) } {
         geometry.set(|state| state.filter_from_arguments = enable);
@@ -91,7 +96,10 @@ pub unsafe extern "C-unwind" fn rtcGetGeometryTransformFromScene(
 /// # Safety
 /// As [`rtcFilterIntersection`].
 #[unsafe(no_mangle)]
-pub unsafe extern "C-unwind" fn rtcInvokeIntersectFilterFromGeometry(user: *const UserArguments, arguments: *const FilterArguments) {
+pub unsafe extern "C-unwind" fn rtcInvokeIntersectFilterFromGeometry(
+    user: *const UserArguments,
+    arguments: *const FilterArguments,
+) {
     // SAFETY: as the caller promises.
     unsafe { rtcFilterIntersection(user, arguments) };
 }
@@ -101,7 +109,10 @@ pub unsafe extern "C-unwind" fn rtcInvokeIntersectFilterFromGeometry(user: *cons
 /// # Safety
 /// As [`rtcFilterOcclusion`].
 #[unsafe(no_mangle)]
-pub unsafe extern "C-unwind" fn rtcInvokeOccludedFilterFromGeometry(user: *const UserArguments, arguments: *const FilterArguments) {
+pub unsafe extern "C-unwind" fn rtcInvokeOccludedFilterFromGeometry(
+    user: *const UserArguments,
+    arguments: *const FilterArguments,
+) {
     // SAFETY: as the caller promises.
     unsafe { rtcFilterOcclusion(user, arguments) };
 }
