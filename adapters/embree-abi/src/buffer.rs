@@ -99,15 +99,14 @@ impl View {
         if u32::try_from(count).is_err() {
             return Err(Fault::argument(format!("a buffer of {count} items, at most {} can be told apart", u32::MAX)));
         }
-        let item =
-            format::bytes(format).ok_or_else(|| Fault::unsupported(&format!("buffers of format {format:#x}")))?;
-        // Embree lets the last item end where its own bytes end, not its stride.
-        let needed = count
-            .checked_sub(1)
-            .map_or(Some(0), |last| stride.checked_mul(last)?.checked_add(item)?.checked_add(offset));
+        if format::bytes(format).is_none() {
+            return Err(Fault::unsupported(&format!("buffers of format {format:#x}")));
+        }
+        // Strides decide, as with Embree, which lets items be wider than their stride; what lies outside is not read.
+        let needed = stride.checked_mul(count).and_then(|bytes| bytes.checked_add(offset));
         if needed.is_none_or(|needed| needed > buffer.bytes) {
             return Err(Fault::argument(format!(
-                "{count} items of {item} bytes every {stride} from {offset} on do not lie in a buffer of {} bytes",
+                "{count} items every {stride} bytes from {offset} on do not lie in a buffer of {} bytes",
                 buffer.bytes
             )));
         }
@@ -130,11 +129,23 @@ impl View {
         unsafe { self.buffer.data().byte_add(self.offset) }
     }
 
+    /// Where word `index` of an item is; `None` beyond the last item, the item itself and the buffer.
+    fn word(&self, item: usize, index: usize) -> Option<*const u32> {
+        // `new` saw that this does not overflow.
+        let at = self.offset + item * self.stride + 4 * index;
+        let inside = item < self.count
+            && format::bytes(self.format).is_some_and(|bytes| 4 * index < bytes)
+            && at + 4 <= self.buffer.bytes;
+        // SAFETY: the place lies in the buffer.
+        inside.then(|| unsafe { self.buffer.data().byte_add(at).cast_const().cast() })
+    }
+
     /// Reads `N` words of 4 bytes at the start of an item; `None` beyond the last item.
     pub fn words<const N: usize>(&self, item: usize) -> Option<[u32; N]> {
-        let inside = item < self.count && format::bytes(self.format).is_some_and(|bytes| bytes >= 4 * N);
-        // SAFETY: `new` saw that items lie in the buffer; all is a multiple of 4 bytes.
-        inside.then(|| unsafe { self.data().byte_add(item * self.stride).cast::<[u32; N]>().read_unaligned() })
+        self.word(item, N - 1)?;
+        let first = self.word(item, 0)?;
+        // SAFETY: the first and the last word lie in the buffer.
+        Some(unsafe { first.cast::<[u32; N]>().read_unaligned() })
     }
 
     /// Reads three f32; `None` beyond the last item.
@@ -144,9 +155,8 @@ impl View {
 
     /// Reads one f32 of an item; `None` beyond the last one and beyond the item.
     pub fn number(&self, item: usize, index: usize) -> Option<f32> {
-        let inside = item < self.count && format::bytes(self.format).is_some_and(|bytes| 4 * index < bytes);
-        // SAFETY: as in `words`.
-        inside.then(|| unsafe { self.data().byte_add(item * self.stride + 4 * index).cast::<f32>().read_unaligned() })
+        // SAFETY: the word lies in the buffer.
+        self.word(item, index).map(|word| unsafe { word.cast::<f32>().read_unaligned() })
     }
 }
 
@@ -165,14 +175,18 @@ mod tests {
         assert!(View::new(buffer.clone(), 0, 12, 3, format::FLOAT3).is_ok());
         assert!(View::new(buffer.clone(), 4, 12, 3, format::FLOAT3).is_err());
         assert!(View::new(buffer.clone(), 0, 16, 2, format::FLOAT3).is_ok());
+        assert!(View::new(buffer.clone(), 0, 16, 3, format::FLOAT3).is_err());
         assert!(View::new(buffer.clone(), 0, 13, 1, format::FLOAT3).is_err());
         assert!(View::new(buffer.clone(), 0, usize::MAX - 3, 3, format::FLOAT3).is_err());
-        assert!(View::new(buffer, 0, 12, 0, format::FLOAT3).is_ok());
+        assert!(View::new(buffer.clone(), 0, 12, 0, format::FLOAT3).is_ok());
+        // Items wider than their stride: the last one ends outside.
+        let wide = View::new(buffer, 0, 12, 3, format::FLOAT + 3).unwrap();
+        assert_eq!((wide.number(1, 3), wide.number(2, 2), wide.number(2, 3)), (Some(0.0), Some(0.0), None));
     }
 
     #[test]
     fn items_are_read_by_their_stride() {
-        let mut numbers = [0.0f32, 1.0, 2.0, 9.0, 3.0, 4.0, 5.0];
+        let mut numbers = [0.0f32, 1.0, 2.0, 9.0, 3.0, 4.0, 5.0, 9.0];
         let bytes = size_of_val(&numbers);
         // SAFETY: the numbers outlive the buffer.
         let buffer = unsafe { Buffer::shared(device(), numbers.as_mut_ptr().cast(), bytes) }.unwrap();

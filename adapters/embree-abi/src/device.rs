@@ -2,14 +2,16 @@
 
 use crate::report;
 use crate::types::{ErrorCode, ErrorFunction, MemoryMonitor, Version};
-use rayon::ThreadPool;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use skipgrid::registry;
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_void};
+use std::mem::ManuallyDrop;
 use std::num::NonZero;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread::{self, JoinHandle};
 
 /// Names the accelerator if the configuration does not.
 pub const VARIABLE: &str = "SKIPGRID_ACCEL";
@@ -64,7 +66,7 @@ pub struct Device {
     accel: String,
     threads: usize,
     verbose: bool,
-    pool: OnceLock<Option<ThreadPool>>,
+    team: OnceLock<Option<Team>>,
     on_error: Mutex<Callback<ErrorFunction>>,
     on_memory: Mutex<Callback<MemoryMonitor>>,
     /// True once a geometry was given a mask. A program that never sets one cannot mean the masks of its rays: some leave
@@ -77,6 +79,39 @@ pub struct Device {
 unsafe impl Send for Device {}
 // SAFETY: as above.
 unsafe impl Sync for Device {}
+
+/// Threads that build. All have ended when it is gone.
+#[derive(Debug)]
+struct Team {
+    pool: ManuallyDrop<ThreadPool>,
+    threads: Arc<Mutex<Vec<JoinHandle<()>>>>,
+}
+
+impl Team {
+    /// `count` threads, or as many as the machine has if that is 0.
+    fn new(count: usize) -> Result<Self, ThreadPoolBuildError> {
+        let count = if count > 0 { count } else { thread::available_parallelism().map_or(1, NonZero::get) };
+        let threads = Arc::new(Mutex::new(Vec::with_capacity(count)));
+        let handles = threads.clone();
+        let builder = ThreadPoolBuilder::new().num_threads(count).spawn_handler(move |worker| {
+            let named = thread::Builder::new().name(format!("skipgrid-{}", worker.index()));
+            lock(&handles).push(named.spawn(|| worker.run())?);
+            Ok(())
+        });
+        Ok(Self { pool: ManuallyDrop::new(builder.build()?), threads })
+    }
+}
+
+impl Drop for Team {
+    fn drop(&mut self) {
+        // SAFETY: nothing uses the pool after this; its threads are told to end.
+        unsafe { ManuallyDrop::drop(&mut self.pool) };
+        for thread in lock(&self.threads).drain(..) {
+            // A thread that panicked has ended too.
+            let _ = thread.join();
+        }
+    }
+}
 
 thread_local! {
     /// The first error of each device that this thread has not asked for yet; null is the device that could not be made.
@@ -94,26 +129,28 @@ impl Device {
         let settings = Settings::parse(config)?;
         let from_environment = std::env::var(VARIABLE).ok().filter(|accel| !accel.is_empty());
         let accel = settings.accel.or(from_environment).unwrap_or_else(|| DEFAULT_ACCEL.into());
+        let device = Self {
+            version,
+            accel,
+            threads: settings.threads,
+            verbose: settings.verbose > 0,
+            team: OnceLock::new(),
+            on_error: Mutex::new(Callback::NONE),
+            on_memory: Mutex::new(Callback::NONE),
+            masks: AtomicBool::new(false),
+            complained: AtomicBool::new(false),
+        };
         let nothing: Vec<skipgrid::Triangle> = Vec::new();
-        registry::build(&accel, nothing).map_err(|error| Fault::argument(error.to_string()))?;
+        let built = device.install(|| registry::build(&device.accel, nothing).map(drop));
+        built.map_err(|error| Fault::argument(error.to_string()))?;
         report::device_made(
             match version {
                 Version::Three => "skipgrid-embree3",
                 Version::Four => "skipgrid-embree4",
             },
-            &accel,
+            &device.accel,
         );
-        Ok(Self {
-            version,
-            accel,
-            threads: settings.threads,
-            verbose: settings.verbose > 0,
-            pool: OnceLock::new(),
-            on_error: Mutex::new(Callback::NONE),
-            on_memory: Mutex::new(Callback::NONE),
-            masks: AtomicBool::new(false),
-            complained: AtomicBool::new(false),
-        })
+        Ok(device)
     }
 
     /// Which interface it was made through.
@@ -128,16 +165,8 @@ impl Device {
 
     /// Runs `work` on the threads of the device, which begin with the first call and end with the device.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        let pool = self.pool.get_or_init(|| {
-            let threads = if self.threads > 0 {
-                self.threads
-            } else {
-                std::thread::available_parallelism().map_or(1, NonZero::get)
-            };
-            rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("skipgrid-{i}")).build().ok()
-        });
-        match pool {
-            Some(pool) => pool.install(work),
+        match self.team.get_or_init(|| Team::new(self.threads).ok()) {
+            Some(team) => team.pool.install(work),
             // A machine without room for threads builds on the caller's.
             None => work(),
         }

@@ -167,7 +167,7 @@ impl Geometry {
         };
         let slots = if kind == buffer_type::VERTEX_ATTRIBUTE { state.attributes } else { 1 };
         if slot >= slots {
-            return Err(Fault::operation(format!("buffer slot {slot} of {slots}")));
+            return Err(Fault::argument(format!("buffer slot {slot} of {slots}")));
         }
         match kind {
             buffer_type::INDEX if format != corners => {

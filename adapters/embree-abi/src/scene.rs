@@ -78,7 +78,7 @@ impl Scene {
         let mut slots = self.slots.write().unwrap_or_else(PoisonError::into_inner);
         let slot = slots.get_mut(id as usize).and_then(Option::take);
         drop(slots);
-        slot.map(drop).ok_or_else(|| Fault::argument(format!("no geometry has the number {id}")))
+        slot.map(drop).ok_or_else(|| Fault::operation(format!("no geometry has the number {id}")))
     }
 
     /// The geometry with a number.
