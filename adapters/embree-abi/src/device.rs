@@ -72,7 +72,8 @@ pub struct Device {
     /// True once a geometry was given a mask. A program that never sets one cannot mean the masks of its rays: some leave
     /// them 0, as builds of Embree without masks allow.
     masks: AtomicBool,
-    complained: AtomicBool,
+    /// What standard error was told.
+    said: Mutex<Vec<String>>,
 }
 
 // SAFETY: nothing behind the pointers is touched here.
@@ -138,7 +139,7 @@ impl Device {
             on_error: Mutex::new(Callback::NONE),
             on_memory: Mutex::new(Callback::NONE),
             masks: AtomicBool::new(false),
-            complained: AtomicBool::new(false),
+            said: Mutex::default(),
         };
         let nothing: Vec<skipgrid::Triangle> = Vec::new();
         let built = device.install(|| registry::build(&device.accel, nothing).map(drop));
@@ -200,13 +201,13 @@ impl Device {
         bytes == 0 || function.is_none_or(|function| unsafe { function(user, bytes, bytes < 0) })
     }
 
-    /// Keeps the error for the thread and tells the error function; without one, standard error says the first.
+    /// Keeps the error for the thread and tells the error function; without one, standard error says each cause once.
     pub fn raise(&self, fault: &Fault) {
         let text = keep(self, fault);
         report::error(&fault.message);
         let Callback { function, user } = *lock(&self.on_error);
-        if self.verbose || (function.is_none() && !self.complained.swap(true, Ordering::Relaxed)) {
-            eprintln!("skipgrid (in the place of Embree): {}", fault.message);
+        if self.verbose || (function.is_none() && is_new(&self.said, &fault.message)) {
+            say(&fault.message);
         }
         if let Some(function) = function {
             // SAFETY: the caller set both for this purpose; the text lives during the call.
@@ -225,11 +226,28 @@ impl Device {
     }
 }
 
-/// Keeps an error without a device, and says it: whoever asked has nothing to ask further.
+/// Keeps an error without a device; standard error says each cause once, for there is nobody else to tell.
 pub fn raise_without_device(fault: &Fault) {
+    static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
     keep(ptr::null(), fault);
     report::error(&fault.message);
-    eprintln!("skipgrid (in the place of Embree): {}", fault.message);
+    if is_new(&SAID, &fault.message) {
+        say(&fault.message);
+    }
+}
+
+/// True if `list` lacks `text`, which it then has. A list without end is cut: what comes after is not new.
+fn is_new(list: &Mutex<Vec<String>>, text: &str) -> bool {
+    let mut list = lock(list);
+    let new = list.len() < 64 && list.iter().all(|old| old != text);
+    if new {
+        list.push(text.into());
+    }
+    new
+}
+
+fn say(message: &str) {
+    eprintln!("skipgrid (in the place of Embree): {message}");
 }
 
 /// Keeps the error for the thread; its text, for callers in C.

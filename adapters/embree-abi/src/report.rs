@@ -23,14 +23,15 @@ static ERRORS: AtomicU64 = AtomicU64::new(0);
 static PRIMITIVES: Level = Level::new();
 static BYTES: Level = Level::new();
 static TEXTS: Mutex<Texts> =
-    Mutex::new(Texts { library: "", file: None, accelerator: String::new(), error: String::new() });
+    Mutex::new(Texts { library: "", file: None, accelerator: String::new(), causes: Vec::new() });
 static THREADS: Mutex<Vec<Arc<Rays>>> = Mutex::new(Vec::new());
 
 struct Texts {
     library: &'static str,
     file: Option<PathBuf>,
     accelerator: String,
-    error: String,
+    /// What went wrong, each cause once.
+    causes: Vec<String>,
 }
 
 /// A sum that goes up and down, and its greatest value.
@@ -88,10 +89,13 @@ pub fn holds(primitives: i64, bytes: i64) {
     BYTES.add(bytes);
 }
 
-/// An error was raised.
+/// An error was raised. The report names the first few causes: what follows from them comes later.
 pub fn error(message: &str) {
     ERRORS.fetch_add(1, Ordering::Relaxed);
-    message.clone_into(&mut lock(&TEXTS).error);
+    let causes = &mut lock(&TEXTS).causes;
+    if causes.len() < 8 && !causes.iter().any(|cause| cause == message) {
+        causes.push(message.into());
+    }
 }
 
 /// Rays are traced.
@@ -147,7 +151,7 @@ fn line(texts: &Texts) -> String {
     let counter = |c: &AtomicU64| c.load(Ordering::Relaxed);
     format!(
         "{{\"library\":{},\"version\":{},\"process\":{},\"accelerator\":{},\"devices\":{},\"commits\":{},\"build_seconds\":{:e},\
-         \"primitives\":{},\"bytes\":{},\"closest_rays\":{closest},\"any_rays\":{any},\"errors\":{},\"last_error\":{}}}\n",
+         \"primitives\":{},\"bytes\":{},\"closest_rays\":{closest},\"any_rays\":{any},\"errors\":{},\"causes\":{}}}\n",
         quoted(texts.library),
         quoted(env!("CARGO_PKG_VERSION")),
         std::process::id(),
@@ -158,7 +162,7 @@ fn line(texts: &Texts) -> String {
         PRIMITIVES.most.load(Ordering::Relaxed),
         BYTES.most.load(Ordering::Relaxed),
         counter(&ERRORS),
-        quoted(&texts.error),
+        quoted(&texts.causes.join("; ")),
     )
 }
 

@@ -455,6 +455,7 @@ int main(void)
 {
   RTCDevice device = rtcNewDevice("threads=2");
   printf("device %d\n", device != NULL);
+  if (!device) return 1;
   rtcSetDeviceErrorFunction(device, on_error, (void*)"device");
   RTCScene empty = rtcNewScene(device);
   rtcCommitScene(empty);
