@@ -114,7 +114,7 @@ impl View {
     }
 
     /// Number of items.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.count
     }
 

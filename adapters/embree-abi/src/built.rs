@@ -25,8 +25,8 @@ pub struct Built {
     pub parts: Arc<Vec<Part>>,
     /// Triangles that no filter and no mask but [`Built::common_mask`] can take away.
     pub plain: Option<(Triangles, Box<dyn Accel>)>,
-    /// Triangles with filters or other masks: as they are, and asking.
-    pub filtered: Option<(Arc<Triangles>, Box<dyn Accel>, Box<dyn Accel>)>,
+    /// Triangles with filters or other masks.
+    pub filtered: Option<Filtered>,
     /// User primitives and instances.
     pub others: Option<Box<dyn Accel>>,
     /// The mask of all plain triangles.
@@ -36,6 +36,16 @@ pub struct Built {
     bounds: Aabb,
     primitives: i64,
     bytes: isize,
+}
+
+/// Triangles that filters or masks may take away.
+pub struct Filtered {
+    /// The triangles.
+    pub triangles: Arc<Triangles>,
+    /// As they are: the nearest hit, which most filters accept.
+    pub nearest: Box<dyn Accel>,
+    /// Its tests ask masks and filters.
+    pub asking: Box<dyn Accel>,
 }
 
 /// What a scene consisted of: where two are equal nothing needs to be built.
@@ -124,10 +134,10 @@ impl Built {
         step(0.5)?;
         if !filtered.is_empty() {
             let triangles = Arc::new(filtered);
-            let fast = made.accelerator(&spec, triangles.corners.clone(), 36 * triangles.corners.len())?;
+            let nearest = made.accelerator(&spec, triangles.corners.clone(), 36 * triangles.corners.len())?;
             let set = FilteredTriangles { triangles: triangles.clone(), parts: parts.clone() };
             let asking = made.accelerator(&spec, set, 0)?;
-            made.filtered = Some((triangles, fast, asking));
+            made.filtered = Some(Filtered { triangles, nearest, asking });
         }
         step(0.8)?;
         if !list.is_empty() {

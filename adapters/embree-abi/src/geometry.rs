@@ -199,7 +199,7 @@ impl State {
     /// The corners of each primitive as indices of vertices: of triangles the fourth is none.
     pub fn corners(&self, kind: GeometryType) -> Vec<[u32; 4]> {
         let Some(view) = self.view(buffer_type::INDEX, 0) else { return Vec::new() };
-        (0..view.len())
+        (0..view.count())
             .map(|item| match kind {
                 GeometryType::Quad => view.words(item).unwrap_or([INVALID_ID; 4]),
                 _ => view.words(item).map_or([INVALID_ID; 4], |[a, b, c]| [a, b, c, INVALID_ID]),

@@ -5,7 +5,7 @@
 //!
 //! - [`device`], [`buffer`], [`geometry`], [`scene`]: what programs describe.
 //! - [`part`], [`built`], [`called`]: what a commit makes of it.
-//! - [`trace`], [`packets`]: rays.
+//! - [`asked`], [`trace`], [`seen`], [`packets`]: rays.
 //! - [`api`]: the functions by name.
 //!
 //! What is not supported raises a device error that names it; nothing is left out silently.
@@ -14,6 +14,7 @@
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 pub mod api;
+pub mod asked;
 pub mod buffer;
 pub mod built;
 pub mod called;
@@ -25,6 +26,7 @@ pub mod packets;
 pub mod part;
 pub mod report;
 pub mod scene;
+pub mod seen;
 pub mod trace;
 pub mod transform;
 pub mod types;

@@ -2,12 +2,13 @@
 //!
 //! Each ray is traced by itself on a copy, so that callbacks always see one ray and its hit side by side.
 
+use crate::asked::Asked;
 use crate::device::{Fault, raise_without_device};
 use crate::handle;
 use crate::report;
 use crate::scene::Scene;
-use crate::trace::{Asked, Query};
-use crate::types::{Hit, INVALID_ID, RAY_WORDS, Ray, hit_words};
+use crate::trace::Query;
+use crate::types::{Hit, INVALID_ID, RAY_WORDS, Ray, Version, hit_words};
 use std::ffi::c_int;
 use std::ptr;
 
@@ -96,8 +97,8 @@ unsafe fn copied(scene: *const Scene, asked: &Asked, closest: bool, place: impl 
         instance_primitive: INVALID_ID,
     };
     let version = match asked {
-        Asked::Three(_) => crate::types::Version::Three,
-        Asked::Four(_) => crate::types::Version::Four,
+        Asked::Three(_) => Version::Three,
+        Asked::Four(_) => Version::Four,
     };
     // SAFETY: any bits are numbers; the caller of the functions above promises the rest.
     unsafe {

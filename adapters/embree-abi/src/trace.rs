@@ -2,17 +2,15 @@
 //!
 //! Hits count where `tnear < t <= tfar`, as Embree's own tests have it.
 
-use crate::built::Built;
+use crate::asked::{Asked, Terms};
+use crate::built::{Built, Filtered};
 use crate::called::{self, FilteredTriangles};
 use crate::device::Fault;
 use crate::part::Part;
-use crate::types::{
-    Arguments4, Context3, Context4, FilterArguments, FilterFunction, Hit, INVALID_ID, INVOKE_FILTER, Ray,
-    UserArguments, UserFunction, Version, hit_words, scene_flag,
-};
+use crate::seen::Seen;
+use crate::types::{FilterArguments, FilterFunction, Hit, INVALID_ID, Ray, UserArguments, hit_words};
 use glam::{DAffine3, DVec3, Vec3};
-use std::collections::HashSet;
-use std::ffi::{c_int, c_void};
+use std::ffi::c_int;
 use std::ptr;
 
 /// A ray on its way through a scene.
@@ -24,26 +22,6 @@ pub struct Query {
     triangles: Seen,
     /// Instances that the ray went through.
     instances: Seen,
-}
-
-/// What the caller hung on the ray: the same in all instances.
-#[derive(Clone, Copy, Debug)]
-struct Terms {
-    ray: *mut Ray,
-    /// Where the closest hit goes; null if any hit will do.
-    hit: *mut Hit,
-    version: Version,
-    /// What callbacks get.
-    context: *mut c_void,
-    /// The numbers of the instance that the ray is in; the second is null for Embree 3.
-    instance: *mut u32,
-    instance_primitive: *mut u32,
-    /// Filter of the context or the arguments, and whether it is asked about geometries that did not say so.
-    filter: Option<FilterFunction>,
-    filter_everywhere: bool,
-    /// For user geometries without a function of their own.
-    function: Option<UserFunction>,
-    masks: bool,
 }
 
 /// What callbacks of user geometries get, and behind it what [`Query::filter_from_callback`] needs.
@@ -66,7 +44,12 @@ impl Query {
     /// The pointers are good for the size of what Embree 3 or 4 has there, the functions for being called.
     pub unsafe fn closest(built: &Built, ray: *mut Ray, hit: *mut Hit, asked: &Asked) {
         // SAFETY: as the caller promises.
-        unsafe { asked.with_query(built, ray, hit, |query| Query::trace_closest(query)) };
+        unsafe {
+            asked.with_terms(built, ray, hit, |terms| {
+                let mut query = Query::new(built, terms);
+                Query::trace_closest(&raw mut query);
+            });
+        }
     }
 
     /// Whether anything meets `ray`; then `ray.tfar` becomes `-inf`.
@@ -76,8 +59,9 @@ impl Query {
     pub unsafe fn any(built: &Built, ray: *mut Ray, asked: &Asked) {
         // SAFETY: as the caller promises.
         unsafe {
-            asked.with_query(built, ray, ptr::null_mut(), |query| {
-                if Query::trace_any(query) {
+            asked.with_terms(built, ray, ptr::null_mut(), |terms| {
+                let mut query = Query::new(built, terms);
+                if Query::trace_any(&raw mut query) {
                     (*ray).tfar = f32::NEG_INFINITY;
                 }
             });
@@ -106,9 +90,9 @@ impl Query {
                     Query::take(query, &hit, found.t);
                 }
             }
-            if let Some((triangles, fast, asking)) = &built.filtered {
+            if let Some(Filtered { triangles, nearest, asking }) = &built.filtered {
                 let segment = segment((*ray).tfar);
-                if let Some(found) = fast.closest_hit(&segment) {
+                if let Some(found) = nearest.closest_hit(&segment) {
                     let hit = triangles.hit(found.prim, &segment, &built.parts);
                     let part = &built.parts[triangles.part(found.prim)];
                     if Query::accepts(query, part, found.prim, found.t, hit).is_none() {
@@ -134,8 +118,8 @@ impl Query {
             {
                 return true;
             }
-            if let Some((triangles, fast, asking)) = &built.filtered
-                && let Some(found) = fast.closest_hit(&segment)
+            if let Some(Filtered { triangles, nearest, asking }) = &built.filtered
+                && let Some(found) = nearest.closest_hit(&segment)
             {
                 let hit = triangles.hit(found.prim, &segment, &built.parts);
                 let part = &built.parts[triangles.part(found.prim)];
@@ -360,108 +344,5 @@ impl Query {
                 filter(arguments);
             }
         }
-    }
-}
-
-/// What the caller hung on a ray, in either version's way.
-#[derive(Clone, Copy, Debug)]
-pub enum Asked {
-    /// Embree 3: a context that may not be null.
-    Three(*mut Context3),
-    /// Embree 4: arguments that may be null.
-    Four(*const Arguments4),
-}
-
-impl Asked {
-    /// Runs `trace` on the ray's query, unless it is no ray that anything can meet.
-    unsafe fn with_query(&self, built: &Built, ray: *mut Ray, hit: *mut Hit, trace: impl FnOnce(*mut Query)) {
-        // SAFETY: as the caller of `closest` promises.
-        unsafe {
-            let masks = built.device().has_masks();
-            // Written so that a NaN is no range.
-            if !((*ray).tnear <= (*ray).tfar) || (masks && (*ray).mask == 0) {
-                return;
-            }
-            let mut own = Context4 { instance: INVALID_ID, instance_primitive: INVALID_ID };
-            let mut terms = Terms {
-                ray,
-                hit,
-                version: built.device().version(),
-                context: ptr::null_mut(),
-                instance: &raw mut own.instance,
-                instance_primitive: ptr::null_mut(),
-                filter: None,
-                filter_everywhere: false,
-                function: None,
-                masks,
-            };
-            match *self {
-                Asked::Three(context) => {
-                    terms.context = context.cast();
-                    if !context.is_null() {
-                        terms.instance = &raw mut (*context).instance;
-                        if built.signature.flags & scene_flag::CONTEXT_FILTER != 0 {
-                            terms.filter = (*context).filter;
-                            terms.filter_everywhere = true;
-                        }
-                    }
-                }
-                Asked::Four(arguments) => {
-                    let mut context = &raw mut own;
-                    if let Some(arguments) = arguments.as_ref() {
-                        if !arguments.context.is_null() {
-                            context = arguments.context;
-                        }
-                        terms.filter = arguments.filter;
-                        terms.filter_everywhere = arguments.flags & INVOKE_FILTER != 0;
-                        terms.function = arguments.function;
-                    }
-                    terms.context = context.cast();
-                    terms.instance = &raw mut (*context).instance;
-                    terms.instance_primitive = &raw mut (*context).instance_primitive;
-                }
-            }
-            let mut query = Query::new(built, terms);
-            trace(&raw mut query);
-        }
-    }
-}
-
-/// Primitives that a query has dealt with.
-#[derive(Debug, Default)]
-struct Seen {
-    few: [u32; 8],
-    count: usize,
-    /// All, once they are more than a few.
-    many: Option<Box<HashSet<u32>>>,
-}
-
-impl Seen {
-    /// True if `prim` is new.
-    fn insert(&mut self, prim: u32) -> bool {
-        if let Some(many) = &mut self.many {
-            return many.insert(prim);
-        }
-        if self.few[..self.count].contains(&prim) {
-            return false;
-        }
-        if let Some(place) = self.few.get_mut(self.count) {
-            (*place, self.count) = (prim, self.count + 1);
-            return true;
-        }
-        self.many.insert(Box::new(self.few.into())).insert(prim)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_primitive_is_new_once() {
-        let mut seen = Seen::default();
-        assert!((0..100).all(|prim| seen.insert(prim * 7)));
-        assert!((0..100).all(|prim| !seen.insert(prim * 7)));
-        assert!(seen.insert(1));
     }
 }

@@ -20,10 +20,11 @@ pub unsafe fn read(numbers: *const f32, layout: u32) -> Result<DAffine3, Fault> 
         format::FLOAT4X4_COLUMN_MAJOR => |r, c| 4 * c + r,
         _ => return Err(Fault::operation(format!("{layout:#x} is no format of a transformation"))),
     };
-    // SAFETY: as the caller promises.
-    let column = |c: usize| {
-        DVec3::from_array([0, 1, 2].map(|r| f64::from(unsafe { numbers.add(place(r, c)).read_unaligned() })))
+    let number = |r: usize, c: usize| {
+        // SAFETY: as the caller promises.
+        f64::from(unsafe { numbers.add(place(r, c)).read_unaligned() })
     };
+    let column = |c: usize| DVec3::new(number(0, c), number(1, c), number(2, c));
     Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
 }
 

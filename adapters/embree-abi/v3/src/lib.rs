@@ -5,10 +5,10 @@
 mod mitsuba;
 
 use skipgrid_embree::api::devices::new_device;
+use skipgrid_embree::asked::Asked;
 use skipgrid_embree::device::Device;
 use skipgrid_embree::packets::{arrays, one, packet, packets, stream};
 use skipgrid_embree::scene::Scene;
-use skipgrid_embree::trace::Asked;
 use skipgrid_embree::types::{Context3, Ray, Version};
 use std::ffi::{c_char, c_int};
 

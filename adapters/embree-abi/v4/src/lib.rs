@@ -9,12 +9,12 @@ use skipgrid_embree::api::geometries::{
     rtcFilterIntersection, rtcFilterOcclusion, rtcGetGeometryTransform, rtcGetGeometryUserData,
 };
 use skipgrid_embree::api::scenes::rtcGetGeometry;
+use skipgrid_embree::asked::Asked;
 use skipgrid_embree::device::{Device, last_message};
 use skipgrid_embree::geometry::Geometry;
 use skipgrid_embree::handle;
 use skipgrid_embree::packets::{one, packet};
 use skipgrid_embree::scene::Scene;
-use skipgrid_embree::trace::Asked;
 use skipgrid_embree::types::{Arguments4, FilterArguments, Ray, UserArguments, Version};
 use std::ffi::{c_char, c_int, c_void};
 
