@@ -134,6 +134,19 @@ fn modules_use_only_what_they_may() {
 }
 
 #[test]
+fn the_architecture_has_the_table_of_dependences() {
+    let text = read(Path::new("ARCHITECTURE.md"));
+    let rows = text.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.strip_prefix("| `")?.strip_suffix('|')?.split('|').map(str::trim).collect();
+        let [name, _, uses] = cells[..] else { return None };
+        Some((name.trim_end_matches('`').to_string(), uses.replace('`', "")))
+    });
+    let rows: Vec<(String, String)> = rows.collect();
+    let table: Vec<(String, String)> = MAY_USE.iter().map(|(name, uses)| ((*name).into(), uses.join(" "))).collect();
+    assert_eq!(rows, table, "ARCHITECTURE.md and MAY_USE differ");
+}
+
+#[test]
 fn files_are_short_and_say_what_they_are_for() {
     for path in rust_files(&["src", "adapters", "tests", "examples", "benches"]) {
         let text = read(&path);
