@@ -26,6 +26,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // The renderer knows no accelerator by name.
     ("render", &["accel", "error", "geometry", "picture", "ray", "scene"]),
     ("validate", &["accel", "error", "picture", "render", "scene"]),
+    // Knows no accelerator and no command line.
+    ("shards", &["error", "geometry", "picture", "render", "scene"]),
     ("measure", &["accel", "error", "npy", "random", "ray", "registry", "scene"]),
     ("converge", &["accel", "error", "measure", "picture", "registry", "render", "scene"]),
     ("stress", &["accel", "error", "geometry", "grid", "measure", "oracle", "random", "ray", "registry", "scene"]),
@@ -41,7 +43,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "cli",
         &[
             "accel", "auto", "bench", "converge", "error", "measure", "papers", "picture", "ray", "registry", "render",
-            "scene", "stress", "validate",
+            "scene", "shards", "stress", "validate",
         ],
     ),
 ];
