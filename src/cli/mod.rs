@@ -14,6 +14,7 @@ mod input;
 mod interrupt;
 mod list;
 mod merge;
+mod outputs;
 mod papers;
 mod picture;
 mod plan;
