@@ -35,6 +35,8 @@ pub mod registry;
 pub mod render;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "shards")]
+pub mod shards;
 #[cfg(feature = "cli")]
 pub mod stress;
 #[cfg(feature = "validate")]

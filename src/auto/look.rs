@@ -25,8 +25,6 @@ pub struct Look {
     pub primitives: u32,
     /// What they are.
     pub kind: Kind,
-    /// Median and greatest longest edge of their boxes, over the longest edge of the scene's box; 0 to 1.
-    pub sizes: [f64; 2],
     /// Share of the cells of a coarse grid, two for each primitive looked at, in which none has its middle; 0 to 1.
     pub empty: f64,
     /// Other primitives with the middle in the same cell as one, in the mean over primitives, if there were two cells for each.
@@ -48,15 +46,12 @@ impl Look {
             (_, true) => Kind::Simple,
             _ => Kind::Other,
         };
-        let none = Self { primitives: count, kind, sizes: [0.0; 2], empty: 0.0, crowding: 0.0, cells_each: 1.0 };
+        let none = Self { primitives: count, kind, empty: 0.0, crowding: 0.0, cells_each: 1.0 };
         let whole = boxes.iter().fold(Aabb::EMPTY, |whole, aabb| whole.union(aabb));
         let extent = (whole.max.as_dvec3() - whole.min.as_dvec3()).max_element();
         if boxes.is_empty() || extent <= 0.0 || !extent.is_finite() {
             return none;
         }
-        let mut edges: Vec<f64> =
-            boxes.iter().map(|b| (b.max.as_dvec3() - b.min.as_dvec3()).max_element() / extent).collect();
-        edges.sort_by(f64::total_cmp);
         let grid = Coarse::new(&whole, 2.0 * boxes.len() as f64);
         let mut cells = vec![0_u32; grid.cells.iter().product()];
         let mut reach = 0.0;
@@ -66,9 +61,8 @@ impl Look {
             let [x, y, z] = grid.cell((aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5);
             cells[(z * grid.cells[1] + y) * grid.cells[0] + x] += 1;
         }
-        let others: f64 = cells.iter().map(|&n| f64::from(n) * (f64::from(n) - 1.0)).filter(|&n| n > 0.0).sum();
+        let others: f64 = cells.iter().map(|&n| f64::from(n) * (f64::from(n) - 1.0)).sum();
         Self {
-            sizes: [edges[edges.len() / 2], edges[edges.len() - 1]],
             empty: cells.iter().filter(|&&n| n == 0).count() as f64 / cells.len() as f64,
             crowding: others / boxes.len() as f64,
             cells_each: reach / boxes.len() as f64,
@@ -118,7 +112,7 @@ mod tests {
         // A Poisson distribution of one for two cells: exp(-1/2) of them empty, 1/2 others in the same.
         assert!((look.empty - (-0.5_f64).exp()).abs() < 0.02, "{look:?}");
         assert!((look.crowding - 0.5).abs() < 0.05, "{look:?}");
-        assert!(look.cells_each < 1.1 && look.sizes[1] < 1e-3, "{look:?}");
+        assert!(look.cells_each < 1.1, "{look:?}");
         let nothing: Vec<Triangle> = vec![];
         assert_eq!(Look::at(&nothing).empty, 0.0);
         let point = vec![[Vec3::ONE; 3]; 9];

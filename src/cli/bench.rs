@@ -4,13 +4,12 @@ mod forms;
 
 use super::Outcome;
 use super::console::{Console, Format};
-use super::input::check_folder;
 use super::interrupt;
+use super::outputs::{Forms, Outputs};
 use super::table::Table;
 use crate::bench::{ANCHORS, BenchScene, Options, Study, bars, run as run_scenes, select, usual};
 use crate::error::{Error, Result};
 use crate::measure::RayKind;
-use crate::picture::io::replace_file;
 use crate::stress::{contenders, spelled_out};
 use serde_json::json;
 use std::path::PathBuf;
@@ -80,21 +79,8 @@ pub struct Args {
     #[arg(long, value_name = "DIR", env = "SKIPGRID_SHARED", default_value = "../shared")]
     shared: PathBuf,
 
-    /// Where a table with a line for each scene, kind of rays and accelerator goes
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-
-    /// Where everything goes as one JSON object
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-
-    /// Where bars of all rates go
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-
-    /// Form of the output
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    outputs: Outputs,
 
     /// List the chosen scenes and accelerators and do nothing
     #[arg(long)]
@@ -132,9 +118,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         list(args, &scenes, &specs, console)?;
         return Ok(Outcome::Done);
     }
-    for file in args.csv.iter().chain(&args.json).chain(&args.svg) {
-        check_folder(file)?;
-    }
+    args.outputs.check()?;
     let options = Options {
         rounds: args.rounds,
         rays: args.rays,
@@ -176,26 +160,19 @@ fn report(args: &Args, study: &Study, console: &Console) -> Result<()> {
     if study.scenes.is_empty() && !study.interrupted {
         return Err(Error::invalid("no scene is left to measure"));
     }
-    match args.format {
-        Format::Text => console.data(&forms::text(study, &args.subject))?,
-        Format::Csv => console.data(&forms::csv(study))?,
-        Format::Json => console.json(&forms::json(study, &args.subject))?,
-    }
-    let write = |file: &Option<PathBuf>, text: &dyn Fn() -> String| -> Result<()> {
-        let Some(file) = file else { return Ok(()) };
-        replace_file(file, text().as_bytes())?;
-        console.note(format!("written: {}", file.display()));
-        Ok(())
+    let forms = Forms {
+        text: &|| forms::text(study, &args.subject),
+        csv: &|| forms::csv(study),
+        json: &|| forms::json(study, &args.subject),
+        svg: &|| bars(study).svg(),
     };
-    write(&args.csv, &|| forms::csv(study))?;
-    write(&args.json, &|| format!("{:#}\n", forms::json(study, &args.subject)))?;
-    write(&args.svg, &|| bars(study).svg())
+    args.outputs.write(&forms, console)
 }
 
 /// Prints what would be measured.
 fn list(args: &Args, scenes: &[BenchScene], specs: &[String], console: &Console) -> Result<()> {
     let folder = args.shared.join("scenes");
-    if args.format == Format::Json {
+    if args.outputs.format == Format::Json {
         let scene = |s: &BenchScene| json!({ "scene": s.name, "class": s.class.name(), "primitives": s.primitives, "specification": s.spec(&folder) });
         let scenes: Vec<_> = scenes.iter().map(scene).collect();
         return console.json(&json!({ "version": env!("CARGO_PKG_VERSION"), "scenes": scenes, "accelerators": specs }));
@@ -205,7 +182,7 @@ fn list(args: &Args, scenes: &[BenchScene], specs: &[String], console: &Console)
         let primitives = if scene.primitives == 0 { "-".into() } else { scene.primitives.to_string() };
         table.row(vec![scene.name.clone(), scene.class.name().into(), primitives, scene.spec(&folder)]);
     }
-    if args.format == Format::Csv {
+    if args.outputs.format == Format::Csv {
         return console.data(&table.csv());
     }
     console.data(&format!("{}\naccelerators: {}\n", table.text(), specs.join(", ")))

@@ -3,12 +3,13 @@
 mod forms;
 mod plot;
 
-use super::console::{Console, Format};
+use super::console::Console;
 use super::input::{DEFAULT_ACCELS, SceneArgs, check_folder, note_camera, parse_size};
+use super::outputs::{Forms, Outputs};
 use super::{Outcome, interrupt};
 use crate::converge::{Options, Other, Study, Truth, study};
 use crate::error::{Error, Result};
-use crate::picture::io::{self, Attributes, replace_file};
+use crate::picture::io::{self, Attributes};
 use crate::render::{Integrator, Settings};
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -91,21 +92,8 @@ pub struct Args {
     #[arg(long, value_name = "DIR", requires = "equal_time")]
     pictures: Option<PathBuf>,
 
-    /// Where a table with a line for each renderer and number of samples goes
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-
-    /// Where everything goes as one JSON object
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-
-    /// Where the curves go
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-
-    /// Form of the output
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    outputs: Outputs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -126,9 +114,8 @@ enum Against {
 
 /// Measures and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    for file in args.csv.iter().chain(&args.json).chain(&args.svg).chain(&args.pictures) {
-        check_folder(file)?;
-    }
+    args.outputs.check()?;
+    args.pictures.iter().try_for_each(|folder| check_folder(folder))?;
     if let Some(folder) = args.pictures.as_ref().filter(|folder| folder.exists() && !folder.is_dir()) {
         return Err(Error::malformed(folder, "is no folder for pictures"));
     }
@@ -205,20 +192,13 @@ fn report(args: &Args, study: &Study, console: &Console) -> Result<()> {
     }
     study.differences.iter().take(3).for_each(|d| console.warn(d));
     let (scene, targets) = (&args.scene.scene, &args.targets);
-    match args.format {
-        Format::Text => console.data(&forms::text(study, scene, targets))?,
-        Format::Csv => console.data(&forms::csv(study, scene))?,
-        Format::Json => console.json(&forms::json(study, scene, targets))?,
-    }
-    let write = |file: &Option<PathBuf>, text: &dyn Fn() -> String| -> Result<()> {
-        let Some(file) = file else { return Ok(()) };
-        replace_file(file, text().as_bytes())?;
-        console.note(format!("written: {}", file.display()));
-        Ok(())
+    let forms = Forms {
+        text: &|| forms::text(study, scene, targets),
+        csv: &|| forms::csv(study, scene),
+        json: &|| forms::json(study, scene, targets),
+        svg: &|| plot::curves(study, scene).svg(),
     };
-    write(&args.csv, &|| forms::csv(study, scene))?;
-    write(&args.json, &|| format!("{:#}\n", forms::json(study, scene, targets)))?;
-    write(&args.svg, &|| plot::curves(study, scene).svg())?;
+    args.outputs.write(&forms, console)?;
     match &args.pictures {
         Some(folder) if !study.interrupted => pictures(folder, study, scene, console),
         _ => Ok(()),

@@ -13,8 +13,13 @@ mod info;
 mod input;
 mod interrupt;
 mod list;
+mod merge;
+mod outputs;
 mod papers;
+mod picture;
+mod plan;
 mod render;
+mod shard;
 mod stress;
 mod sweep;
 mod table;
@@ -54,6 +59,9 @@ enum Verb {
     List(list::Args),
     Info(info::Args),
     Render(render::Args),
+    Plan(plan::Args),
+    Shard(shard::Args),
+    Merge(merge::Args),
     Compare(compare::Args),
     Converge(converge::Args),
     Sweep(sweep::Args),
@@ -93,6 +101,9 @@ pub fn main() -> ExitCode {
         Verb::List(args) => list::run(&args, &console),
         Verb::Info(args) => info::run(&args, &console),
         Verb::Render(args) => render::run(&args, &console),
+        Verb::Plan(args) => plan::run(&args, &console),
+        Verb::Shard(args) => shard::run(&args, &console),
+        Verb::Merge(args) => merge::run(&args, &console),
         Verb::Compare(args) => compare::run(&args, &console),
         Verb::Converge(args) => converge::run(&args, &console),
         Verb::Sweep(args) => sweep::run(&args, &console),

@@ -3,13 +3,12 @@
 mod forms;
 mod plot;
 
-use super::console::{Console, Format};
-use super::input::{SceneArgs, check_folder, note_camera, parse_size};
+use super::console::Console;
+use super::input::{SceneArgs, note_camera, parse_size};
+use super::outputs::{Forms, Outputs};
 use super::{Outcome, interrupt};
 use crate::error::Result;
 use crate::measure::{RayOptions, Sweep, SweepOptions, matching, sweep};
-use crate::picture::io::replace_file;
-use std::path::PathBuf;
 
 const DETAILS: &str = "\
 Swept are, where an accelerator has the option and --accel does not set it: density (voxels for each primitive), threshold (the \
@@ -57,28 +56,13 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Where a table with a line for each setting and kind of rays goes
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-
-    /// Where everything goes as one JSON object
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-
-    /// Where time over density, least leap and leaf size goes
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-
-    /// Form of the output
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    outputs: Outputs,
 }
 
 /// Measures and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    for file in args.csv.iter().chain(&args.json).chain(&args.svg) {
-        check_folder(file)?;
-    }
+    args.outputs.check()?;
     let specs: Vec<String> = matching(&args.accels)?.iter().map(|accel| args.scene.spec(accel)).collect();
     let scene = args.scene.load(console)?;
     note_camera(&scene, console);
@@ -108,20 +92,13 @@ fn report(args: &Args, result: &Sweep, console: &Console) -> Result<()> {
         console.note(format!("{spec} is left out: {reason}"));
     }
     let scene = &args.scene.scene;
-    match args.format {
-        Format::Text => console.data(&forms::text(result, scene, args.rounds))?,
-        Format::Csv => console.data(&forms::csv(result, scene))?,
-        Format::Json => console.json(&forms::json(result, scene, args.rounds))?,
-    }
-    let write = |file: &Option<PathBuf>, text: &dyn Fn() -> String| -> Result<()> {
-        let Some(file) = file else { return Ok(()) };
-        replace_file(file, text().as_bytes())?;
-        console.note(format!("written: {}", file.display()));
-        Ok(())
+    let forms = Forms {
+        text: &|| forms::text(result, scene, args.rounds),
+        csv: &|| forms::csv(result, scene),
+        json: &|| forms::json(result, scene, args.rounds),
+        svg: &|| plot::planes(result, scene, args.rounds).svg(),
     };
-    write(&args.csv, &|| forms::csv(result, scene))?;
-    write(&args.json, &|| format!("{:#}\n", forms::json(result, scene, args.rounds)))?;
-    write(&args.svg, &|| plot::planes(result, scene, args.rounds).svg())
+    args.outputs.write(&forms, console)
 }
 
 fn parse_density(text: &str) -> std::result::Result<f64, String> {

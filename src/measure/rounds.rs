@@ -3,7 +3,6 @@
 use super::clock::{process_seconds, thread_seconds, wall_seconds};
 use crate::accel::{Accel, Hit};
 use crate::error::Result;
-use crate::scene::Scene;
 
 /// Speed of one contender.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +17,7 @@ pub(crate) struct Pace {
 ///
 /// Short passes are repeated for each reading, so that a reading takes milliseconds; a first pass of each, which is not
 /// a reading, tells how often. The contender that goes first changes from round to round. `rounds` is at least 1.
+#[cfg(any(test, feature = "cli"))]
 pub(crate) fn in_turns(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Pace> {
     paces(readings(contenders, rounds, pass))
 }
@@ -39,6 +39,7 @@ fn paces(readings: Vec<Vec<f64>>) -> Vec<Pace> {
 }
 
 /// As [`in_turns`], but gives the passes in a second of each contender in each round, in the order of the rounds.
+#[cfg(any(test, feature = "cli"))]
 pub(crate) fn readings(contenders: usize, rounds: u32, pass: impl Fn(usize)) -> Vec<Vec<f64>> {
     readings_by(wall_seconds, contenders, rounds, pass)
 }
@@ -63,7 +64,8 @@ fn readings_by(clock: fn() -> f64, contenders: usize, rounds: u32, pass: impl Fn
 }
 
 /// Builds once, and twice more if that is quick; gives the median in milliseconds of wall time.
-pub(crate) fn build(scene: &Scene, spec: &str) -> Result<(Box<dyn Accel>, f64)> {
+#[cfg(feature = "cli")]
+pub(crate) fn build(scene: &crate::scene::Scene, spec: &str) -> Result<(Box<dyn Accel>, f64)> {
     let (accel, time) = timed_build(|| scene.accel(spec))?;
     Ok((accel, time.wall))
 }

@@ -5,7 +5,10 @@ mod hdr;
 mod pfm;
 mod png;
 
-pub use exr::{has_variance, read_attributes, read_with_variance, write_with_variance};
+pub use exr::{
+    Words, attributes_of, decode_words, encode_words, has_variance, read_attributes, read_with_variance,
+    write_with_variance,
+};
 
 use super::Picture;
 use crate::error::{Error, Result};

@@ -1,6 +1,7 @@
 //! The walk over solid voxels from its specification.
 
-use super::{Spec, skip_options, spec::parse_bytes};
+use super::grid::skip_options;
+use super::{Spec, spec::parse_bytes};
 use crate::accel::Accel;
 use crate::error::Result;
 use crate::geometry::SolidVoxels;

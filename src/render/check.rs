@@ -22,8 +22,8 @@ const MAX_DEPTH_PATH: u32 = 1 << 16;
 /// Most worker threads.
 const MAX_THREADS: usize = 1024;
 
-/// The part of the picture to render, if the settings can be followed.
-pub(super) fn settings(settings: &Settings) -> Result<Crop> {
+/// The part of the picture to render, if the settings can be followed with so many `films` at once.
+pub(super) fn settings(settings: &Settings, films: usize) -> Result<Crop> {
     let (width, height) = (settings.width, settings.height);
     if width == 0 || height == 0 {
         return Err(Error::invalid(format!("picture size is {width}x{height}, both must be above 0")));
@@ -38,7 +38,8 @@ pub(super) fn settings(settings: &Settings) -> Result<Crop> {
         )));
     }
     let pixels = u64::from(area.width) * u64::from(area.height);
-    let (wanted, allowed) = (pixels.saturating_mul(PIXEL_BYTES), half_the_memory().min(MAX_PIXELS * PIXEL_BYTES));
+    let wanted = pixels.saturating_mul(PIXEL_BYTES).saturating_mul(films as u64);
+    let allowed = half_the_memory().min(MAX_PIXELS * PIXEL_BYTES);
     if wanted > allowed {
         let what = format!("film of {}x{} pixels", area.width, area.height);
         return Err(Error::TooLarge { what, wanted, allowed });

@@ -85,7 +85,7 @@ impl Film {
         self.map(|sum, squares| ((squares - sum * sum / samples) / (samples * (samples - 1.0))).max(DVec3::ZERO))
     }
 
-    /// Adds the samples of another film of the same part of the same picture, rendered with another seed.
+    /// Adds the samples of another film of the same part of the same picture: of another seed, or of other samples.
     ///
     /// # Errors
     /// The films differ in size, or the samples are more than `u32` can count.

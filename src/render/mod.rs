@@ -10,6 +10,7 @@ mod sampler;
 mod scatter;
 mod shadows;
 mod spawn;
+mod sums;
 mod texture;
 mod tiles;
 mod tracer;
@@ -18,14 +19,16 @@ mod view;
 pub use check::omissions;
 pub use film::{Film, RenderStats};
 pub use shadows::SHADOW_DENSITY;
+pub use sums::{join, nodes};
 
 use crate::accel::Accel;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::ray::Ray;
 use crate::scene::Scene;
 use glam::DVec3;
 use integrator::{features, path, whitted};
 use sampler::{PixelSamples, Samples};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tracer::{Stage, Tracer};
 
@@ -150,11 +153,60 @@ pub fn render_until<A: Accel + ?Sized>(
     progress: &(dyn Fn(usize, usize) + Sync),
     stop: &AtomicBool,
 ) -> Result<Unfinished> {
-    let area = check::settings(settings)?;
+    let total = settings.sampler.samples();
+    // One node: the root. Without samples there is none, and an error.
+    let mut rendered = render_nodes(scene, accel, settings, nodes(0..total, total), progress, stop)?;
+    Ok(rendered.swap_remove(0))
+}
+
+/// Finds out whether `settings` can be followed.
+///
+/// # Errors
+/// As [`render`], of the settings alone.
+pub fn check_settings(settings: &Settings) -> Result<()> {
+    check::settings(settings, 1).map(|_| ())
+}
+
+/// Some samples of each pixel, summed so that they and the others make the picture.
+pub type Part = Vec<(Range<u32>, Film)>;
+
+/// The `samples` (of all that the settings ask for) of each pixel: a film for each of their [`nodes`]. [`join`] makes one film
+/// of the parts of all samples, equal to the bit to that of [`render`].
+///
+/// # Errors
+/// As [`render`]; or the range is empty or has samples that the settings lack.
+pub fn render_part<A: Accel + ?Sized>(
+    scene: &Scene,
+    accel: &A,
+    settings: &Settings,
+    samples: Range<u32>,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Part> {
+    let total = settings.sampler.samples();
+    if samples.is_empty() || samples.end > total {
+        let Range { start, end } = samples;
+        return Err(Error::invalid(format!("samples {start}..{end} of 0..{total}: none, or beyond the last one")));
+    }
+    let nodes = nodes(samples, total);
+    let rendered = render_nodes(scene, accel, settings, nodes.clone(), progress, &AtomicBool::new(false))?;
+    Ok(nodes.into_iter().zip(rendered.into_iter().map(|one| one.film)).collect())
+}
+
+/// A film of each of `nodes`.
+fn render_nodes<A: Accel + ?Sized>(
+    scene: &Scene,
+    accel: &A,
+    settings: &Settings,
+    nodes: Vec<Range<u32>>,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    stop: &AtomicBool,
+) -> Result<Vec<Unfinished>> {
+    let area = check::settings(settings, nodes.len())?;
     check::scene(scene)?;
     let bounds = accel.bounds();
     let lights = light::Lights::new(scene, &bounds);
-    let shadows = shadows::known(scene, lights.points(), settings)?;
+    let samples = nodes.iter().map(|node| node.end - node.start).sum();
+    let shadows = shadows::known(scene, lights.points(), settings, samples)?;
     let stage = Stage {
         scene,
         lights,
@@ -163,7 +215,7 @@ pub fn render_until<A: Accel + ?Sized>(
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
     };
-    let job = Job { stage: &stage, accel, settings, area, progress, stop };
+    let job = Job { stage: &stage, accel, settings, area, nodes, progress, stop };
     match settings.integrator {
         Integrator::Path => job.run(|tracer, ray, samples| path::radiance(tracer, ray, samples, path::Share::Power)),
         Integrator::Whitted => job.run(|tracer, ray, _| whitted::radiance(tracer, &ray)),
@@ -180,20 +232,19 @@ struct Job<'a, A: ?Sized> {
     accel: &'a A,
     settings: &'a Settings,
     area: Crop,
+    nodes: Vec<Range<u32>>,
     progress: &'a (dyn Fn(usize, usize) + Sync),
     stop: &'a AtomicBool,
 }
 
 impl<A: Accel + ?Sized> Job<'_, A> {
-    /// Makes it: `radiance` says what a camera ray brings back.
-    fn run(&self, radiance: impl Fn(&mut Tracer<A>, Ray, &Samples) -> DVec3 + Sync) -> Result<Unfinished> {
+    /// Makes it, a film for each node: `radiance` says what a camera ray brings back.
+    fn run(&self, radiance: impl Fn(&mut Tracer<A>, Ray, &Samples) -> DVec3 + Sync) -> Result<Vec<Unfinished>> {
         let Settings { width, height, sampler, seed, threads, .. } = *self.settings;
         let view = view::View::new(&self.stage.scene.camera, width, height)?;
-        let count = sampler.samples();
-        let pixel = |tracer: &mut Tracer<A>, x: u32, y: u32| {
+        let sums = |tracer: &mut Tracer<A>, node: &Range<u32>, x: u32, y: u32| {
             let pixel = PixelSamples::new(sampler, seed, x, y);
-            let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
-            for index in 0..count {
+            sums::of(node.clone(), &mut |index| {
                 if self.stop.load(Ordering::Relaxed) {
                     return None;
                 }
@@ -201,22 +252,24 @@ impl<A: Accel + ?Sized> Job<'_, A> {
                 let [dx, dy] = samples.offset();
                 let ray = view.ray(f64::from(x) + dx, f64::from(y) + dy);
                 let value = radiance(tracer, ray, &samples);
-                if value.is_finite() {
-                    sum += value;
-                    squares += value * value;
-                } else {
+                if !value.is_finite() {
                     tracer.stats.discarded += 1;
+                    return Some(DVec3::ZERO);
                 }
-            }
-            Some((sum, squares))
+                Some(value)
+            })
         };
-        let tile = |part: Crop, pixels: &mut Vec<tiles::Sums>| {
-            let mut tracer = Tracer::new(self.stage, self.accel);
-            let rows = part.y..part.y + part.height;
-            let all = rows.flat_map(|y| (part.x..part.x + part.width).map(move |x| (x, y)));
-            pixels.extend(all.map_while(|(x, y)| pixel(&mut tracer, x, y)));
-            tracer.stats
+        let film = |(i, node): (usize, &Range<u32>)| {
+            let tile = |part: Crop, pixels: &mut Vec<tiles::Sums>| {
+                let mut tracer = Tracer::new(self.stage, self.accel);
+                let rows = part.y..part.y + part.height;
+                let all = rows.flat_map(|y| (part.x..part.x + part.width).map(move |x| (x, y)));
+                pixels.extend(all.map_while(|(x, y)| sums(&mut tracer, node, x, y)));
+                tracer.stats
+            };
+            let progress = |done: usize, all: usize| (self.progress)(i * all + done, self.nodes.len() * all);
+            tiles::film(self.area, node.end - node.start, threads, &progress, &tile)
         };
-        tiles::film(self.area, count, threads, self.progress, &tile)
+        self.nodes.iter().enumerate().map(film).collect()
     }
 }

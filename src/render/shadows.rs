@@ -18,18 +18,23 @@ const RAYS: f64 = 64.0;
 /// Share of decided voxels below which asking costs more than it saves.
 const LEAST: f64 = 0.05;
 
-/// Shadow voxels for point lights at `points`, where they are wanted or likely to pay. Where they only are likely to and do not
+/// Shadow voxels for point lights at `points` and so many `samples` of each pixel, where they are wanted or likely to pay. Where they only are likely to and do not
 /// fit into memory, or turn out to know next to nothing, there are none.
 ///
 /// # Errors
 /// They are wanted and do not fit into memory.
-pub(super) fn known(scene: &Scene, points: &[DVec3], settings: &Settings) -> Result<Option<Box<dyn PointShadows>>> {
+pub(super) fn known(
+    scene: &Scene,
+    points: &[DVec3],
+    settings: &Settings,
+    samples: u32,
+) -> Result<Option<Box<dyn PointShadows>>> {
     let shades = matches!(settings.integrator, Integrator::Path | Integrator::Whitted) && settings.max_depth > 1;
     let wanted = settings.shadow_voxels;
     if points.is_empty()
         || !shades
         || wanted == Some(false)
-        || (wanted.is_none() && !pays(scene, points.len(), settings))
+        || (wanted.is_none() && !pays(scene, points.len(), settings, samples))
     {
         return Ok(None);
     }
@@ -39,9 +44,9 @@ pub(super) fn known(scene: &Scene, points: &[DVec3], settings: &Settings) -> Res
     }
 }
 
-fn pays(scene: &Scene, lights: usize, settings: &Settings) -> bool {
+fn pays(scene: &Scene, lights: usize, settings: &Settings, samples: u32) -> bool {
     let (columns, rows) = settings.crop.map_or((settings.width, settings.height), |crop| (crop.width, crop.height));
-    let samples = f64::from(columns) * f64::from(rows) * f64::from(settings.sampler.samples());
+    let samples = f64::from(columns) * f64::from(rows) * f64::from(samples);
     // Whitted's method connects a point with all lights, path tracing with one.
     let each = if settings.integrator == Integrator::Whitted { samples } else { samples / lights as f64 };
     each >= RAYS * f64::from(scene.primitive_count())

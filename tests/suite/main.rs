@@ -19,6 +19,7 @@ mod property;
 mod random;
 mod render;
 mod scenes;
+mod shards;
 mod solid;
 mod spd;
 mod stress;

@@ -2,6 +2,9 @@
 
 mod layers;
 mod order;
+mod words;
+
+pub use words::{Words, decode_words, encode_words};
 
 use super::{
     Attributes, Declared, MAX_DECODED_BYTES, blank, check_declared, check_size, read_bytes, replace_file, too_large,
@@ -16,6 +19,11 @@ use std::path::Path;
 /// Our names for the variance of the mean, in the order R, G, B.
 const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 const COLOURS: [&str; 3] = ["R", "G", "B"];
+
+/// How pixels are packed. Blocks are compressed by several threads; without an order of their own they would stand in the file
+/// as they were finished, which differs from run to run.
+const ENCODING: Encoding =
+    Encoding { compression: Compression::ZIP16, line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
 
 /// The only part of an EXR file, checked and decoded.
 type Part = Layer<AnyChannels<FlatSamples>>;
@@ -68,8 +76,15 @@ pub fn has_variance(path: impl AsRef<Path>) -> crate::Result<bool> {
 /// The file cannot be read or its header is damaged.
 pub fn read_attributes(path: impl AsRef<Path>) -> crate::Result<Attributes> {
     let path = path.as_ref();
-    let bytes = read_bytes(path)?;
-    let reader = Reader::read_from_buffered(Cursor::new(&bytes[..]), false).map_err(|e| damaged(path, &e))?;
+    attributes_of(path, &read_bytes(path)?)
+}
+
+/// As [`read_attributes`], of a file in memory; `path` is for messages only.
+///
+/// # Errors
+/// The header is damaged.
+pub fn attributes_of(path: &Path, bytes: &[u8]) -> crate::Result<Attributes> {
+    let reader = Reader::read_from_buffered(Cursor::new(bytes), false).map_err(|e| damaged(path, &e))?;
     let mut entries = Vec::new();
     for header in reader.headers() {
         for (name, value) in header.own_attributes.other.iter().chain(&header.shared_attributes.other) {
@@ -95,19 +110,27 @@ pub(super) fn encode(
     variance: Option<&Picture>,
     attributes: &Attributes,
 ) -> Result<Vec<u8>> {
-    let mut own = LayerAttributes { software_name: Some(Text::from("skipgrid")), ..LayerAttributes::default() };
-    for (name, value) in &attributes.entries {
-        own.other.insert(text(name), AttributeValue::Text(text(value)));
-    }
     let planes = |picture: &Picture, names: [&'static str; 3]| {
         let plane = |c: usize| FlatSamples::F32(picture.pixels.iter().map(|p| p[c]).collect());
         [0, 1, 2].map(|c| AnyChannel::new(names[c], plane(c)))
     };
     let channels = planes(mean, COLOURS).into_iter();
     let channels = channels.chain(variance.into_iter().flat_map(|v| planes(v, VARIANCE))).collect();
-    let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::FAST_LOSSLESS };
     let size = (mean.width as usize, mean.height as usize);
-    let image = Image::from_layer(Layer::new(size, own, encoding, AnyChannels::sort(channels)));
+    let layer = Layer::new(size, own_attributes(attributes), ENCODING, AnyChannels::sort(channels));
+    encode_image(path, &Image::from_layer(layer))
+}
+
+fn own_attributes(attributes: &Attributes) -> LayerAttributes {
+    let mut own = LayerAttributes { software_name: Some(Text::from("skipgrid")), ..LayerAttributes::default() };
+    for (name, value) in &attributes.entries {
+        own.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
+    own
+}
+
+/// The file in memory, with the same bytes every time.
+fn encode_image(path: &Path, image: &Image<Layer<AnyChannels<FlatSamples>>>) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     image.write().to_buffered(&mut bytes).map_err(|e| Error::malformed(path, e.to_string()))?;
     let mut bytes = bytes.into_inner();
@@ -187,4 +210,24 @@ fn text(s: &str) -> Text {
 
 fn utf8(text: &Text) -> String {
     String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_of_many_blocks_gives_the_same_bytes_every_time() {
+        let path = Path::new("many.exr");
+        let mut picture = Picture::new(320, 256);
+        for (i, pixel) in picture.pixels.iter_mut().enumerate() {
+            // Rows of noise and rows of one colour take different times to compress.
+            *pixel = if i / 320 % 96 < 48 { [1.0; 3] } else { [1, 7, 49].map(|n| (i as f32 * n as f32).sin()) };
+        }
+        let first = encode(path, &picture, None, &Attributes::default()).expect("a small picture");
+        for _ in 0..30 {
+            assert!(encode(path, &picture, None, &Attributes::default()).expect("a small picture") == first);
+        }
+        assert_eq!(decode(path, &first, None).expect("as written"), picture);
+    }
 }

@@ -6,13 +6,17 @@ use std::fs;
 use std::path::Path;
 
 /// A command line for each verb that writes, with the file that it writes; each file has more than a kilobyte.
-const WRITERS: [(&str, &[&str]); 7] = [
+const WRITERS: [(&str, &[&str]); 8] = [
     ("out.png", &["render", "cornell", "--size", "64x64", "--spp", "1"]),
     ("out.exr", &["render", "cornell", "--size", "64x64", "--spp", "1"]),
     ("out.pfm", &["render", "cornell", "--size", "64x64", "--spp", "1"]),
     ("hits.npy", &["trace", "cornell", "--rays", "rays.npy", "--hits", "hits.npy"]),
     ("out.pov", &["export", "random:n=100", "--to", "povray"]),
     ("out.xml", &["export", "random:n=100", "--to", "mitsuba"]),
+    (
+        "out.shard.exr",
+        &["shard", "cornell", "--size", "64x64", "--spp", "1", "--tile", "0,0,64,64", "--samples", "0..1"],
+    ),
     ("map.pfm", &["diff", "a.pfm", "b.pfm"]),
 ];
 

@@ -1,0 +1,42 @@
+//! Shards that are ended in the middle: nothing half-made is left, and the plan goes on from there.
+#![cfg(unix)]
+
+use super::*;
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// Starts `line`, sends `signal` to it after a moment, and waits.
+fn ended(folder: &Path, line: &str, signal: &str) -> std::process::ExitStatus {
+    let mut command = Command::new("sh");
+    // The shard takes the place of the shell, so that the signal reaches it.
+    command.args(["-c", &format!("exec {line}")]).current_dir(folder).stdin(Stdio::null());
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("a shell");
+    std::thread::sleep(Duration::from_millis(400));
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
+    assert!(sent.success(), "the shard has ended by itself");
+    child.wait().expect("it ends")
+}
+
+#[test]
+fn a_plan_goes_on_after_a_kill() {
+    let folder = folder("kill");
+    let picture = ["cornell", "--size", "64x64", "--spp", "16"];
+    // The same shards, but for the number of samples, would take minutes.
+    let long = plan(&folder, &["cornell", "--size", "640x640", "--spp", "4096"], &["--tiles", "2x1"]);
+    let lines = plan(&folder, &picture, &["--tiles", "2x2"]);
+    follow(&folder, &lines[0]).done(&["million rays"]);
+    assert_eq!(ended(&folder, &long[1], "-KILL").signal(), Some(9));
+    assert_eq!(ended(&folder, &long[0], "-INT").code(), Some(130));
+    assert_eq!(ended(&folder, &long[0], "-TERM").code(), Some(130));
+    let there = names(&folder.join("parts"));
+    assert_eq!(there.len(), 1, "{there:?}");
+    // What a kill within a write leaves has another name, and is no shard.
+    write(&folder, &format!("parts/{}.4711-0.part", there[0]), "half of one");
+    follow(&folder, &lines[0]).done(&["is there already"]);
+    lines[1..].iter().for_each(|line| {
+        follow(&folder, line).done(&["million rays"]);
+    });
+    merge(&folder, "merged.exr").done(&["4 shards"]);
+    assert!(fs::read(folder.join("merged.exr")).expect("written") == unsharded(&folder, &picture, "whole.exr"));
+}
