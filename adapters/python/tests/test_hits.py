@@ -101,6 +101,17 @@ class Alike(unittest.TestCase):
             self.assertEqual(ours.tobytes(), theirs.tobytes())
         self.assertEqual(scene.bounds.tobytes(), mesh.bounds.tobytes())
 
+    def test_scenes_of_every_kind_have_an_exact_truth(self):
+        """Voxels, triangles with spheres, and triangles."""
+        for name in ["voxel-terrain", "flakes", "cornell"]:
+            scene = skipgrid.load(name)
+            rays = np.hstack(rays_around(scene.bounds, 400))
+            (t, prim), (truth, exact) = scene.closest_hit(rays), scene.exact_hit(rays)
+            self.assertTrue(0.1 < (prim != skipgrid.MISS).mean() < 0.9, name)
+            self.assertEqual(prim.tolist(), exact.tolist(), name)
+            hit = prim != skipgrid.MISS
+            self.assertLessEqual((np.abs(t[hit] - truth[hit]) / np.spacing(t[hit])).max(), 0.5 + 1e-6, name)
+
 
 @unittest.skipIf(RayMeshIntersector is None, "trimesh and embreex are not installed")
 class Embree(unittest.TestCase):
