@@ -22,7 +22,7 @@ void rtcReleaseDevice(void *device) {
     (void)device;
     FILE *report = fopen(getenv("SKIPGRID_REPORT"), "a");
     fprintf(report, "{\"library\":\"test\",\"accelerator\":\"%s\",\"commits\":2,\"build_seconds\":0.5,\"primitives\":3,"
-        "\"bytes\":64,\"closest_rays\":40,\"any_rays\":2,\"errors\":0,\"last_error\":\"\"}\n", getenv("SKIPGRID_ACCEL"));
+        "\"bytes\":64,\"closest_rays\":40,\"any_rays\":2,\"errors\":0,\"causes\":\"\"}\n", getenv("SKIPGRID_ACCEL"));
     fclose(report);
 }
 "#;

@@ -20,7 +20,8 @@ pub struct Report {
     /// Of the process with most.
     bytes: u64,
     errors: u64,
-    last_error: Option<String>,
+    /// Why, each cause once.
+    causes: Vec<String>,
 }
 
 impl Report {
@@ -48,7 +49,7 @@ impl Report {
         self.primitives = self.primitives.max(number("primitives"));
         self.bytes = self.bytes.max(number("bytes"));
         self.errors += number("errors");
-        self.last_error = text("last_error").or(self.last_error.take());
+        self.causes.extend(text("causes").filter(|causes| !self.causes.contains(causes)));
     }
 
     /// What was traced, in one sentence.
@@ -72,8 +73,9 @@ impl Report {
 
     /// What the library told the program that it cannot do, if so.
     pub fn errors(&self) -> Option<String> {
-        let last = self.last_error.as_deref().unwrap_or("no reason given");
-        (self.errors > 0).then(|| format!("{} errors were reported to the program, the last: {last}", self.errors))
+        let plural = if self.errors == 1 { " was" } else { "s were" };
+        (self.errors > 0)
+            .then(|| format!("{} error{plural} reported to the program: {}", self.errors, self.causes.join("; ")))
     }
 }
 
@@ -83,8 +85,8 @@ mod tests {
 
     #[test]
     fn processes_are_added_up_and_sizes_are_the_greatest() {
-        let text = r#"{"accelerator":"grid","devices":1,"commits":2,"build_seconds":0.25,"primitives":7,"bytes":900,"closest_rays":10,"any_rays":1,"errors":0,"last_error":""}
-{"accelerator":"grid","devices":1,"commits":1,"build_seconds":0.5,"primitives":3,"bytes":100,"closest_rays":5,"any_rays":0,"errors":2,"last_error":"curves"}
+        let text = r#"{"accelerator":"grid","devices":1,"commits":2,"build_seconds":0.25,"primitives":7,"bytes":900,"closest_rays":10,"any_rays":1,"errors":0,"causes":""}
+{"accelerator":"grid","devices":1,"commits":1,"build_seconds":0.5,"primitives":3,"bytes":100,"closest_rays":5,"any_rays":0,"errors":2,"causes":"no curves; a null"}
 
 no report"#;
         let report = Report::parse(text);
@@ -94,7 +96,7 @@ no report"#;
             "grid: 15 rays for the closest hit and 1 for any hit, 3 builds in 0.750 s, at most 7 primitives and 900 bytes at \
              once in 2 processes"
         );
-        assert_eq!(report.errors().as_deref(), Some("2 errors were reported to the program, the last: curves"));
+        assert_eq!(report.errors().as_deref(), Some("2 errors were reported to the program: no curves; a null"));
     }
 
     #[test]
