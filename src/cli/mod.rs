@@ -19,6 +19,7 @@ mod papers;
 mod picture;
 mod plan;
 mod render;
+mod run_under;
 mod shard;
 mod stress;
 mod sweep;
@@ -37,6 +38,7 @@ Examples:
   skipgrid compare room.glb --accel grid --accel obvhs-cwbvh
   skipgrid validate --report report.html            against POV-Ray's and Mitsuba's pictures
   skipgrid trace mesh.obj --rays rays.npy --hits hits.npy
+  skipgrid run-under -- blender -b scene.blend -f 1    Blender on our accelerators instead of Embree
 
 Exit codes: 0 done and, if something was checked, in order; 1 a check failed; 2 bad usage or bad input; 3 input or \
 output failed; 130 interrupted.
@@ -67,6 +69,7 @@ enum Verb {
     Sweep(sweep::Args),
     Bench(bench::Args),
     Trace(trace::Args),
+    RunUnder(run_under::Args),
     Validate(validate::Args),
     Stress(stress::Args),
     Export(export::Args),
@@ -83,6 +86,9 @@ enum Outcome {
     CheckFailed,
     /// The user wanted no more; what was finished is kept.
     Interrupted,
+    /// Another program ran, and this is its exit code.
+    #[cfg_attr(not(target_os = "linux"), expect(dead_code, reason = "programs are run on Linux only"))]
+    OfProgram(u8),
 }
 
 /// Runs the program on its command line and prints what goes wrong.
@@ -109,6 +115,7 @@ pub fn main() -> ExitCode {
         Verb::Sweep(args) => sweep::run(&args, &console),
         Verb::Bench(args) => bench::run(&args, &console),
         Verb::Trace(args) => trace::run(&args, &console),
+        Verb::RunUnder(args) => run_under::run(&args, &console),
         Verb::Validate(args) => validate::run(&args, &console),
         Verb::Stress(args) => stress::run(&args, &console),
         Verb::Export(args) => export::run(&args, &console),
@@ -119,6 +126,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Ok(Outcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
+        Ok(Outcome::OfProgram(code)) => ExitCode::from(code),
         Err(error) => {
             console.error(&error);
             ExitCode::from(error.exit_code())

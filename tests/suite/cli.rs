@@ -101,9 +101,20 @@ fn help_has_examples_for_every_verb() {
     let top = skipgrid(&folder, &["--help"]);
     assert_eq!(top.code, Some(0));
     assert!(top.stdout.contains("Exit codes"), "{}", top.stdout);
-    for verb in
-        ["list", "info", "render", "compare", "converge", "sweep", "bench", "trace", "validate", "export", "diff"]
-    {
+    for verb in [
+        "list",
+        "info",
+        "render",
+        "compare",
+        "converge",
+        "sweep",
+        "bench",
+        "trace",
+        "run-under",
+        "validate",
+        "export",
+        "diff",
+    ] {
         let help = skipgrid(&folder, &[verb, "--help"]);
         assert_eq!(help.code, Some(0), "{verb}");
         assert!(help.stdout.contains(&format!("skipgrid {verb}")), "{verb}: {}", help.stdout);

@@ -18,6 +18,7 @@ mod pictures;
 mod property;
 mod random;
 mod render;
+mod run_under;
 mod scenes;
 mod shards;
 mod solid;
