@@ -31,12 +31,15 @@ fn a_plan_goes_on_after_a_kill() {
     assert_eq!(ended(&folder, &long[0], "-TERM").code(), Some(130));
     let there = names(&folder.join("parts"));
     assert_eq!(there.len(), 1, "{there:?}");
-    // What a kill within a write leaves has another name, and is no shard.
-    write(&folder, &format!("parts/{}.4711-0.part", there[0]), "half of one");
     follow(&folder, &lines[0]).done(&["is there already"]);
+    // What a kill within a write leaves has another name, and is no shard; a later process may have the number of that one.
     lines[1..].iter().for_each(|line| {
-        follow(&folder, line).done(&["million rays"]);
+        let file = line.rsplit(' ').next().expect("a file name");
+        follow(&folder, &format!("echo half > {file}.$$-0.part; exec {line}")).done(&["million rays"]);
+        let left = names(&folder.join("parts")).into_iter().filter(|name| name.ends_with("-0.part"));
+        left.for_each(|name| assert_eq!(fs::read(folder.join("parts").join(name)).expect("there"), b"half\n"));
     });
+    assert_eq!(names(&folder.join("parts")).len(), 4 + 3);
     merge(&folder, "merged.exr").done(&["4 shards"]);
     assert!(fs::read(folder.join("merged.exr")).expect("written") == unsharded(&folder, &picture, "whole.exr"));
 }
