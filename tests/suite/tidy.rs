@@ -61,6 +61,11 @@ fn root() -> &'static Path {
 
 /// Rust files below the folders, as paths relative to the package.
 fn rust_files(folders: &[&str]) -> Vec<PathBuf> {
+    files(folders, "rs")
+}
+
+/// Files with the extension below the folders, as paths relative to the package.
+fn files(folders: &[&str], extension: &str) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut open: Vec<PathBuf> = folders.iter().map(|f| root().join(f)).filter(|f| f.is_dir()).collect();
     while let Some(folder) = open.pop() {
@@ -68,13 +73,13 @@ fn rust_files(folders: &[&str]) -> Vec<PathBuf> {
             let path = entry.expect("a folder of the package is readable").path();
             if path.is_dir() && !path.ends_with("target") {
                 open.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") {
+            } else if path.extension().is_some_and(|e| e == extension) {
                 files.push(path.strip_prefix(root()).expect("below the package").to_path_buf());
             }
         }
     }
     files.sort();
-    assert!(!files.is_empty(), "{folders:?} has no Rust file");
+    assert!(!files.is_empty(), "{folders:?} has no .{extension}");
     files
 }
 
@@ -217,5 +222,80 @@ fn the_commands_of_the_readme_are_run_before_every_release() {
     for command in ["cargo run --release -- validate", "cargo test"] {
         assert!(readme.lines().any(|line| line.trim() == command), "the README does not say `{command}`");
         assert!(runs.contains(&command), ".ci/run does not run `{command}`");
+    }
+}
+
+/// Where the links of a text in Markdown lead; not those in code.
+fn links(text: &str) -> Vec<String> {
+    let (mut fenced, mut links) = (false, Vec::new());
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            fenced = !fenced;
+        } else if !fenced {
+            let prose: String = line.split('`').step_by(2).collect();
+            let ends = prose.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
+            links.extend(ends.map(|(target, _)| target.to_string()));
+        }
+    }
+    links
+}
+
+/// Links of a text at `path` that lead to no file.
+fn broken(path: &Path, text: &str) -> Vec<String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut targets = links(text);
+    targets.retain(|target| !target.contains("://") && !target.starts_with('#'));
+    targets.retain(|target| !root().join(folder).join(target.split('#').next().unwrap_or("")).exists());
+    targets
+}
+
+#[test]
+fn links_between_documents_lead_to_files() {
+    let sample =
+        "[a](README.md) `[b](no.md)`\n```\n[c](no.md)\n```\n[`d`](src/no.rs#e) ![f](docs/no.png) [g](https://h.org)";
+    assert_eq!(broken(Path::new("x.md"), sample), ["src/no.rs#e", "docs/no.png"]);
+    let mut documents = files(&["docs", "adapters", "reference"], "md");
+    documents.extend(["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "UNSAFE.md"].map(PathBuf::from));
+    let (mut seen, mut faults) = (0, Vec::new());
+    for path in documents {
+        let text = read(&path);
+        seen += links(&text).len();
+        faults.extend(broken(&path, &text).iter().map(|target| format!("{}: {target}", path.display())));
+    }
+    assert!(seen > 100, "the search finds next to nothing: {seen}");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// What stands in the first cells of the tables of a text, in backticks.
+fn named(text: &str) -> Vec<&str> {
+    text.lines().filter_map(|line| line.strip_prefix("| `")?.split_once("` |").map(|(name, _)| name)).collect()
+}
+
+#[test]
+fn every_method_has_its_page() {
+    let (readme, index) = (read(Path::new("README.md")), read(Path::new("docs/methods/README.md")));
+    let section = readme.split("\n## ").find(|part| part.starts_with("The methods\n")).expect("a section of methods");
+    let methods = named(section);
+    assert!(methods.len() >= 16 && methods.contains(&"grid-dsz"), "{methods:?}");
+    let page = |name: &str| read(&Path::new("docs/methods").join(name));
+    for method in methods {
+        let row = index.lines().find(|line| line.starts_with(&format!("| `{method}` | [")));
+        let row = row.unwrap_or_else(|| panic!("the table of docs/methods/README.md lacks `{method}`"));
+        let tells = links(row).iter().any(|target| page(target).contains(method));
+        assert!(tells, "no page of {row} names `{method}`");
+    }
+    let pages = files(&["docs/methods"], "md");
+    for path in pages.iter().filter(|path| !path.ends_with("README.md")) {
+        let name = path.file_name().expect("a file has a name").to_string_lossy();
+        assert!(links(&index).contains(&name.to_string()), "docs/methods/README.md does not lead to {name}");
+    }
+    // Those that came into the code without a row in the README.
+    let all: String = pages.iter().map(|path| read(path)).collect();
+    for path in rust_files(&["src/grid/skip"]).iter().filter(|path| read(path).contains("\nimpl Method for ")) {
+        assert!(
+            all.contains(&format!("({})", Path::new("../..").join(path).display())),
+            "no page leads to {}",
+            path.display()
+        );
     }
 }
