@@ -194,6 +194,37 @@ fn failures_have_their_code_and_one_line() {
     assert_eq!(fs::read(folder.join("old.png")).expect("still there"), b"an old picture");
 }
 
+/// As after `cargo install --path .`: the program lies elsewhere and runs elsewhere.
+#[test]
+fn an_installed_program_finds_the_references_and_its_scenes() {
+    let place = std::env::temp_dir().join(format!("skipgrid-installed-{}", std::process::id()));
+    fs::create_dir_all(&place).expect("there is a folder for what does not last");
+    let program = place.join("skipgrid");
+    // By another process: a program that this one, with the tests of other threads, has open for writing cannot be started.
+    let copied = Command::new("cp").args([Path::new(env!("CARGO_BIN_EXE_skipgrid")), &program]).status();
+    assert!(copied.is_ok_and(|status| status.success()), "the program can be copied");
+    let run = |reference: &str, args: &[&str]| {
+        let mut command = Command::new(&program);
+        command.args(args).current_dir(&place).env("SKIPGRID_REFERENCE", reference).stdin(Stdio::null());
+        let output = command.output().expect("the program starts");
+        (output.status.code(), String::from_utf8(output.stderr).expect("the program writes Unicode"))
+    };
+    let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
+    let found = [run("", &["validate", "none"]), run(&ours.to_string_lossy(), &["validate", "none"])];
+    let other = run("nowhere", &["validate", "none"]);
+    let rendered = run("nowhere", &["render", "cornell", "--size", "4x4", "--spp", "1", "-o", "cornell.png"]);
+    let kept = files(&place);
+    let _ = fs::remove_dir_all(&place);
+    for (code, words) in found {
+        assert_eq!(code, Some(2), "{words}");
+        assert!(words.contains("no reference scene is called `none`, there are: "), "{words}");
+    }
+    assert_eq!(other.0, Some(3), "{}", other.1);
+    assert!(other.1.contains("nowhere"), "{}", other.1);
+    assert_eq!(rendered.0, Some(0), "{}", rendered.1);
+    assert!(kept.contains(&"cornell.png".to_string()), "{kept:?}");
+}
+
 #[test]
 fn bad_usage_is_explained() {
     let folder = folder("usage");
