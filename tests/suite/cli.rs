@@ -114,6 +114,8 @@ fn help_has_examples_for_every_verb() {
         "validate",
         "export",
         "diff",
+        "completions",
+        "man",
     ] {
         let help = skipgrid(&folder, &[verb, "--help"]);
         assert_eq!(help.code, Some(0), "{verb}");
@@ -123,6 +125,38 @@ fn help_has_examples_for_every_verb() {
     }
     let version = skipgrid(&folder, &["--version"]);
     assert_eq!((version.code, version.stdout.trim()), (Some(0), concat!("skipgrid ", env!("CARGO_PKG_VERSION"))));
+}
+
+#[test]
+fn shells_and_man_get_every_verb() {
+    let folder = folder("man");
+    let help = skipgrid(&folder, &["--help"]).stdout;
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let verbs: Vec<&str> = listed.filter_map(first_word).collect();
+    assert!(verbs.contains(&"render") && verbs.contains(&"man"), "{help}");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = skipgrid(&folder, &["completions", shell]);
+        assert_eq!(script.code, Some(0), "{shell}: {}", script.stderr);
+        for word in verbs.iter().chain(&["memory-budget"]) {
+            assert!(script.stdout.contains(word), "{shell} lacks {word}");
+        }
+    }
+    assert_eq!(skipgrid(&folder, &["man", "--to", "."]).code, Some(0));
+    let mut expected: Vec<String> =
+        verbs.iter().filter(|verb| **verb != "help").map(|verb| format!("skipgrid-{verb}.1")).collect();
+    expected.push("skipgrid.1".into());
+    expected.sort();
+    assert_eq!(files(&folder), expected);
+    for (args, page) in [(&["man"][..], "skipgrid.1"), (&["man", "render"], "skipgrid-render.1")] {
+        let text = skipgrid(&folder, args).stdout;
+        assert!(text.contains(".TH skipgrid") && text.contains("Examples:"), "{text}");
+        assert_eq!(fs::read_to_string(folder.join(page)).expect("the page is there"), text, "{page}");
+    }
+}
+
+/// The first word of a line of help that starts with two spaces; `None` for those that carry on with what is above.
+fn first_word(line: &str) -> Option<&str> {
+    line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '))?.split_whitespace().next()
 }
 
 /// Bad usage and bad input: 2. Input and output: 3. One line that names the thing, nothing on standard output, and no
