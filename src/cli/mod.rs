@@ -5,6 +5,7 @@
 
 mod bench;
 mod compare;
+mod completions;
 mod console;
 mod converge;
 mod diff;
@@ -13,6 +14,7 @@ mod info;
 mod input;
 mod interrupt;
 mod list;
+mod man;
 mod merge;
 mod outputs;
 mod papers;
@@ -75,6 +77,8 @@ enum Verb {
     Export(export::Args),
     Diff(diff::Args),
     Papers(papers::Args),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 /// How a verb ended that met no error.
@@ -121,6 +125,8 @@ pub fn main() -> ExitCode {
         Verb::Export(args) => export::run(&args, &console),
         Verb::Diff(args) => diff::run(&args, &console),
         Verb::Papers(args) => papers::run(&args, &console),
+        Verb::Completions(args) => completions::run(&args, &console),
+        Verb::Man(args) => man::run(&args, &console),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -22,7 +22,9 @@ Every scene of the reference folder is rendered with every accelerator. POV-Ray'
 compared pixel by pixel; Mitsuba's are compared tile by tile within the noise of both sides. The pictures of all \
 accelerators must be equal to the bit. The exit code is 1 if anything differs.
 
-The reference folder is `reference` in the current folder, else in a folder above the program.
+The reference folder is what --reference or the environment variable SKIPGRID_REFERENCE names, else `reference` in the current \
+folder, in a folder above the program, or in the source tree that the program was built from. It is part of the repository, not of \
+the published package.
 
 With --scene and --theirs a scene of yours is compared with pictures that another program made of it, in their size: with \
 --integrator whitted one picture without noise, pixel by pixel; else the noisy ones of a path tracer, tile by tile. Of these \
@@ -47,7 +49,7 @@ pub struct Args {
     #[arg(long = "accel", value_name = "A", default_values = DEFAULT_ACCELS)]
     accels: Vec<String>,
 
-    /// The reference folder
+    /// The reference folder; default: as below
     #[arg(long, value_name = "DIR")]
     reference: Option<PathBuf>,
 
@@ -233,17 +235,49 @@ fn theirs(args: &Args, scene: &Scene) -> Result<Theirs> {
     })
 }
 
-/// `reference` in the current folder, else in a folder above the program.
+/// The folder that SKIPGRID_REFERENCE names, else `reference` in the current folder, in a folder above the program, or in the
+/// source tree that it was built from.
 fn find_reference() -> Result<PathBuf> {
+    // Not by clap: the variable must not stand in the way of --scene.
+    if let Some(named) = std::env::var_os("SKIPGRID_REFERENCE").filter(|named| !named.is_empty()) {
+        return Ok(named.into());
+    }
     let program = std::env::current_exe().ok();
     let above = program.iter().flat_map(|path| path.ancestors().skip(1));
-    std::iter::once(Path::new("."))
-        .chain(above)
-        .map(|folder| folder.join("reference"))
-        .find(|folder| folder.join(MANIFEST).is_file())
-        .ok_or_else(|| {
-            Error::invalid(format!(
-                "no reference/{MANIFEST} in the current folder or above the program; name the folder with --reference"
-            ))
-        })
+    let built_from = Path::new(env!("CARGO_MANIFEST_DIR"));
+    first_reference(std::iter::once(Path::new(".")).chain(above).chain([built_from]))
+}
+
+/// The first `reference` in one of `folders`.
+///
+/// # Errors
+/// None of them has one with a manifest.
+fn first_reference<'a>(mut folders: impl Iterator<Item = &'a Path>) -> Result<PathBuf> {
+    let found = folders.find_map(|folder| Some(folder.join("reference")).filter(|f| f.join(MANIFEST).is_file()));
+    found.ok_or_else(|| {
+        Error::invalid(format!(
+            "the reference pictures are missing: no reference/{MANIFEST} in the current folder, above the program or where it \
+             was built; they are in the folder `reference` of skipgrid's repository, not in the published package: name the \
+             folder with --reference or SKIPGRID_REFERENCE, or compare with pictures of your own by --scene and --theirs"
+        ))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_folder_with_a_manifest_is_taken_and_a_missing_one_explained() {
+        let [none, here] = ["src", "."].map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder));
+        let error = first_reference([none.as_path()].into_iter()).expect_err("src has no pictures").to_string();
+        for part in ["reference/manifest.toml", "--reference", "SKIPGRID_REFERENCE", "--theirs", "repository"] {
+            assert!(error.contains(part), "{error}");
+        }
+        // The published package has no pictures.
+        if here.join("reference").join(MANIFEST).is_file() {
+            let found = first_reference([none.as_path(), here.as_path()].into_iter()).expect("the pictures are there");
+            assert_eq!(found, here.join("reference"));
+        }
+    }
 }

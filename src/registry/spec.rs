@@ -9,6 +9,8 @@ pub struct Spec {
     text: String,
     name: String,
     options: Vec<(String, String)>,
+    /// Keys that were looked for: those that the accelerator has.
+    known: Vec<&'static str>,
 }
 
 impl Spec {
@@ -32,7 +34,7 @@ impl Spec {
             }
             options.push((key.into(), value.into()));
         }
-        Ok(Self { text: text.into(), name: name.into(), options })
+        Ok(Self { text: text.into(), name: name.into(), options, known: Vec::new() })
     }
 
     /// The part before the colon.
@@ -44,9 +46,8 @@ impl Spec {
     ///
     /// # Errors
     /// `parse` returns `None`.
-    pub fn take<T>(&mut self, key: &str, parse: impl FnOnce(&str) -> Option<T>) -> Result<Option<T>> {
-        let Some(i) = self.options.iter().position(|(k, _)| k == key) else { return Ok(None) };
-        let (_, value) = self.options.remove(i);
+    pub fn take<T>(&mut self, key: &'static str, parse: impl FnOnce(&str) -> Option<T>) -> Result<Option<T>> {
+        let Some(value) = self.value(key) else { return Ok(None) };
         match parse(&value) {
             Some(value) => Ok(Some(value)),
             None => Err(self.error(format!("option `{key}` cannot be `{value}`"))),
@@ -57,9 +58,8 @@ impl Spec {
     ///
     /// # Errors
     /// It is none of them.
-    pub fn take_choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Result<Option<T>> {
-        let Some(i) = self.options.iter().position(|(k, _)| k == key) else { return Ok(None) };
-        let (_, value) = self.options.remove(i);
+    pub fn take_choice<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<Option<T>> {
+        let Some(value) = self.value(key) else { return Ok(None) };
         match choices.iter().find(|(name, _)| *name == value) {
             Some((_, choice)) => Ok(Some(*choice)),
             None => {
@@ -69,12 +69,27 @@ impl Spec {
         }
     }
 
+    /// Takes the option `key` as it was given.
+    fn value(&mut self, key: &'static str) -> Option<String> {
+        self.known.push(key);
+        let i = self.options.iter().position(|(k, _)| k == key)?;
+        Some(self.options.remove(i).1)
+    }
+
+    /// To be called once all options of the accelerator have been looked for.
+    ///
     /// # Errors
     /// An option was not taken.
     pub fn finish(&self) -> Result<()> {
         match self.options.first() {
             None => Ok(()),
-            Some((key, _)) => Err(self.error(format!("unknown option `{key}`"))),
+            Some((key, _)) if self.known.is_empty() => {
+                Err(self.error(format!("unknown option `{key}`; `{}` has none", self.name)))
+            }
+            Some((key, _)) => {
+                let hint = did_you_mean(&self.known, key, 3.min(key.len().saturating_sub(1)));
+                Err(self.error(format!("unknown option `{key}`{hint}; there are {}", self.known.join(", "))))
+            }
         }
     }
 

@@ -114,6 +114,8 @@ fn help_has_examples_for_every_verb() {
         "validate",
         "export",
         "diff",
+        "completions",
+        "man",
     ] {
         let help = skipgrid(&folder, &[verb, "--help"]);
         assert_eq!(help.code, Some(0), "{verb}");
@@ -123,6 +125,38 @@ fn help_has_examples_for_every_verb() {
     }
     let version = skipgrid(&folder, &["--version"]);
     assert_eq!((version.code, version.stdout.trim()), (Some(0), concat!("skipgrid ", env!("CARGO_PKG_VERSION"))));
+}
+
+#[test]
+fn shells_and_man_get_every_verb() {
+    let folder = folder("man");
+    let help = skipgrid(&folder, &["--help"]).stdout;
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let verbs: Vec<&str> = listed.filter_map(first_word).collect();
+    assert!(verbs.contains(&"render") && verbs.contains(&"man"), "{help}");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = skipgrid(&folder, &["completions", shell]);
+        assert_eq!(script.code, Some(0), "{shell}: {}", script.stderr);
+        for word in verbs.iter().chain(&["memory-budget"]) {
+            assert!(script.stdout.contains(word), "{shell} lacks {word}");
+        }
+    }
+    assert_eq!(skipgrid(&folder, &["man", "--to", "."]).code, Some(0));
+    let mut expected: Vec<String> =
+        verbs.iter().filter(|verb| **verb != "help").map(|verb| format!("skipgrid-{verb}.1")).collect();
+    expected.push("skipgrid.1".into());
+    expected.sort();
+    assert_eq!(files(&folder), expected);
+    for (args, page) in [(&["man"][..], "skipgrid.1"), (&["man", "render"], "skipgrid-render.1")] {
+        let text = skipgrid(&folder, args).stdout;
+        assert!(text.contains(".TH skipgrid") && text.contains("Examples:"), "{text}");
+        assert_eq!(fs::read_to_string(folder.join(page)).expect("the page is there"), text, "{page}");
+    }
+}
+
+/// The first word of a line of help that starts with two spaces; `None` for those that carry on with what is above.
+fn first_word(line: &str) -> Option<&str> {
+    line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '))?.split_whitespace().next()
 }
 
 /// Bad usage and bad input: 2. Input and output: 3. One line that names the thing, nothing on standard output, and no
@@ -160,7 +194,12 @@ fn failures_have_their_code_and_one_line() {
         (2, "short.tri", vec!["info", "short.tri"]),
         (2, "nowhere", vec!["info", "nowhere"]),
         (2, "random:n=x", vec!["info", "random:n=x"]),
+        (2, "did you mean `seed`?", vec!["info", "random:sed=3"]),
+        (2, "`random` takes", vec!["info", "random:=3"]),
         (2, "gird", vec!["info", "cornell", "--accel", "gird"]),
+        (2, "did you mean `density`?", vec!["info", "cornell", "--accel", "grid-dsz:dens=3"]),
+        (2, "did you mean `render`?", vec!["man", "rendr"]),
+        (3, "nowhere", vec!["man", "--to", "nowhere"]),
         (2, "density", vec!["info", "cornell", "--accel", "grid:density=-1"]),
         (2, "wants", vec!["info", "random:n=1000", "--accel", "grid", "--memory-budget", "1K"]),
         (2, "out.gif", vec!["render", "cornell", "-o", "out.gif"]),
@@ -192,6 +231,37 @@ fn failures_have_their_code_and_one_line() {
         assert_eq!(files(&folder), before, "{args:?} left something behind");
     }
     assert_eq!(fs::read(folder.join("old.png")).expect("still there"), b"an old picture");
+}
+
+/// As after `cargo install --path .`: the program lies elsewhere and runs elsewhere.
+#[test]
+fn an_installed_program_finds_the_references_and_its_scenes() {
+    let place = std::env::temp_dir().join(format!("skipgrid-installed-{}", std::process::id()));
+    fs::create_dir_all(&place).expect("there is a folder for what does not last");
+    let program = place.join("skipgrid");
+    // By another process: a program that this one, with the tests of other threads, has open for writing cannot be started.
+    let copied = Command::new("cp").args([Path::new(env!("CARGO_BIN_EXE_skipgrid")), &program]).status();
+    assert!(copied.is_ok_and(|status| status.success()), "the program can be copied");
+    let run = |reference: &str, args: &[&str]| {
+        let mut command = Command::new(&program);
+        command.args(args).current_dir(&place).env("SKIPGRID_REFERENCE", reference).stdin(Stdio::null());
+        let output = command.output().expect("the program starts");
+        (output.status.code(), String::from_utf8(output.stderr).expect("the program writes Unicode"))
+    };
+    let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
+    let found = [run("", &["validate", "none"]), run(&ours.to_string_lossy(), &["validate", "none"])];
+    let other = run("nowhere", &["validate", "none"]);
+    let rendered = run("nowhere", &["render", "cornell", "--size", "4x4", "--spp", "1", "-o", "cornell.png"]);
+    let kept = files(&place);
+    let _ = fs::remove_dir_all(&place);
+    for (code, words) in found {
+        assert_eq!(code, Some(2), "{words}");
+        assert!(words.contains("no reference scene is called `none`, there are: "), "{words}");
+    }
+    assert_eq!(other.0, Some(3), "{}", other.1);
+    assert!(other.1.contains("nowhere"), "{}", other.1);
+    assert_eq!(rendered.0, Some(0), "{}", rendered.1);
+    assert!(kept.contains(&"cornell.png".to_string()), "{kept:?}");
 }
 
 #[test]

@@ -183,7 +183,8 @@ pub(super) fn parse_within(spec: &str, budget: &Budget) -> Result<SceneParts> {
         let bad = |cause: String| Error::invalid(format!("scene `{spec}`: option `{option}`: {cause}"));
         let (key, value) = option.split_once('=').ok_or_else(|| bad("not of the form key=value".into()))?;
         if !entry.keys.contains(&key) {
-            return Err(bad(format!("`{name}` takes {}", keys(entry))));
+            let hint = did_you_mean(entry.keys, key, 2.min(key.len().saturating_sub(1)));
+            return Err(bad(format!("`{name}` takes {}{hint}", keys(entry))));
         }
         options.set(key, value.parse().map_err(|_| bad(format!("`{value}` is no whole number from 0 to 2^64 - 1")))?);
     }
