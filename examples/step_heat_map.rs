@@ -6,7 +6,7 @@ use skipgrid::scene::{self, LoadOptions};
 use skipgrid::{Accel, Ray};
 
 const SIZE: u32 = 128;
-const ACCELERATORS: [&str; 4] = ["grid:density=4", "grid-dsz:density=4", "grid-octant:density=4", "nested"];
+const ACCELERATORS: [&str; 4] = ["grid:resolution=64", "grid-dsz:resolution=64", "grid-octant:resolution=64", "nested"];
 
 fn main() -> skipgrid::Result<()> {
     let scene = scene::load("lanes", &LoadOptions::default())?;
@@ -28,7 +28,7 @@ fn main() -> skipgrid::Result<()> {
         }
         let each = |n: u64| n as f64 / all.rays as f64;
         println!(
-            "{spec:<22} {:6.2} steps, {:5.2} leaps, {:5.2} tests a ray",
+            "{spec:<26} {:6.2} steps, {:5.2} leaps, {:5.2} tests a ray",
             each(all.steps),
             each(all.leaps),
             each(all.tests)

@@ -30,7 +30,7 @@ fn ray(origin: [f32; 3], direction: [f32; 3]) -> Ray {
 #[test]
 fn the_closest_hit_comes_with_normal_and_material() {
     let triangles = [square(1.0), square(-1.0)].concat();
-    for entry in registry::ENTRIES.iter().filter(|entry| entry.suits(&triangles)) {
+    for entry in registry::ENTRIES.iter().filter(|entry| entry.missing().is_none() && entry.suits(&triangles)) {
         let scene = MeshScene::build(entry.name, triangles.clone(), numbered).expect("triangles");
         let (hit, state) = ask(&scene, &ray([0.5, -0.25, 3.0], [0.0, 0.0, -1.0]));
         assert!(hit && state.hit_dist == 2.0 && !state.is_emitter, "{}: {}", entry.name, state.hit_dist);
