@@ -9,6 +9,8 @@ mod completions;
 mod console;
 mod converge;
 mod diff;
+#[cfg(test)]
+mod documented;
 mod export;
 mod info;
 mod input;

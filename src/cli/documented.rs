@@ -1,0 +1,114 @@
+//! Every command line of this program that a document shows is one that the program understands.
+
+use super::Program;
+use crate::geometry::Triangle;
+use crate::registry;
+use clap::{CommandFactory, Parser};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A command line of a document, from the verb on.
+struct Shown {
+    words: Vec<String>,
+    /// It stands in a block, to be copied; within a sentence it may leave arguments out.
+    whole: bool,
+}
+
+/// The Markdown files of a folder and of those below it.
+fn documents(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    let below = paths.iter().filter(|path| path.is_dir()).flat_map(|path| documents(path));
+    below.chain(paths.iter().filter(|path| path.extension().is_some_and(|e| e == "md")).cloned()).collect()
+}
+
+/// The command lines in a text in Markdown.
+fn shown(text: &str) -> Vec<Shown> {
+    let (mut fenced, mut block, mut prose, mut found) = (false, String::new(), String::new(), Vec::new());
+    for line in text.lines() {
+        if line.starts_with("```") {
+            fenced = !fenced;
+        } else if fenced || line.starts_with("    ") {
+            block.push_str(line.trim());
+            if block.ends_with('\\') {
+                block.pop();
+                continue;
+            }
+            found.extend(command(&block, true));
+            block.clear();
+        } else {
+            prose.push_str(line);
+            prose.push(' ');
+        }
+    }
+    found.extend(prose.split('`').skip(1).step_by(2).filter_map(|code| command(code, false)));
+    found
+}
+
+/// What `line` gives this program, if it calls it: up to a comment, a pipe or a redirection.
+fn command(line: &str, whole: bool) -> Option<Shown> {
+    let rest = line.strip_prefix("skipgrid ").or_else(|| line.strip_prefix("cargo run --release -- "))?;
+    // A text that goes over several lines, or a dependency in TOML.
+    let words = shlex::split(rest).filter(|words| words.first().is_some_and(|word| word != "="))?;
+    let end = words.iter().position(|word| ["|", ">", "||", "&&"].contains(&word.as_str()));
+    Some(Shown { words: words[..end.unwrap_or(words.len())].to_vec(), whole })
+}
+
+/// What is wrong with a command line.
+fn fault(shown: &Shown) -> Option<String> {
+    let program = Program::command();
+    let verb = shown.words.first()?;
+    if verb == "help" {
+        return None;
+    }
+    let Some(verb) = program.find_subcommand(verb) else { return Some(format!("there is no verb `{verb}`")) };
+    let own = shown.words.split(|word| word == "--").next().unwrap_or_default();
+    for option in own.iter().filter_map(|word| word.strip_prefix("--")) {
+        let parts = [&program, verb].into_iter().chain(verb.get_subcommands());
+        if !parts.flat_map(|part| part.get_arguments()).any(|known| known.get_long() == Some(option)) {
+            return Some(format!("`{}` has no option --{option}", verb.get_name()));
+        }
+    }
+    for pair in own.windows(2).filter(|pair| pair[0] == "--accel") {
+        // One capital letter stands for any name; voxels cannot be built over triangles, peers perhaps not on this machine.
+        let name = pair[1].split(':').next().unwrap_or_default();
+        let known = registry::ENTRIES.iter().find(|entry| entry.name == name);
+        let tried = known.is_none_or(|entry| entry.exact && entry.needs != registry::Needs::SolidVoxels);
+        if name != "A" && name != "all" && tried {
+            if let Err(error) = registry::build(&pair[1], Vec::<Triangle>::new()) {
+                return Some(error.to_string());
+            }
+        }
+    }
+    if shown.whole {
+        let line = std::iter::once("skipgrid").chain(shown.words.iter().map(String::as_str));
+        return Program::try_parse_from(line).err().map(|error| error.to_string());
+    }
+    None
+}
+
+#[test]
+fn faults_are_found() {
+    let text = "`skipgrid rendr`, `skipgrid render`, `skipgrid bench --ray 3`\n```sh\nskipgrid render room.glb --spp  # so\n\
+                skipgrid compare a.glb \\\n  --accel gird > b\n```\n";
+    let faults: Vec<bool> = shown(text).iter().map(|shown| fault(shown).is_some()).collect();
+    assert_eq!(faults, [true, true, true, false, true]);
+}
+
+#[test]
+fn commands_in_documents_are_understood() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut paths = vec![root.join("README.md"), root.join("ARCHITECTURE.md")];
+    paths.extend(["docs", "adapters", "reference"].iter().flat_map(|folder| documents(&root.join(folder))));
+    let (mut seen, mut faults) = (0, Vec::new());
+    for path in paths {
+        for shown in shown(&fs::read_to_string(&path).expect("a document")) {
+            seen += 1;
+            faults.extend(
+                fault(&shown).map(|why| format!("{}: skipgrid {}: {why}", path.display(), shown.words.join(" "))),
+            );
+        }
+    }
+    assert!(seen > 100, "the search finds next to nothing: {seen}");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
