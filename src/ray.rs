@@ -106,13 +106,13 @@ impl Cell {
     }
 }
 
-/// The lesser of two numbers, neither a NaN: one instruction, where `min` of the standard library takes five.
+/// The lesser of two numbers, `b` if one is a NaN: one instruction, where `min` of the standard library takes five.
 #[inline(always)]
 pub(crate) fn lesser<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
-/// The greater of two numbers, neither a NaN.
+/// The greater of two numbers, `b` if one is a NaN.
 #[inline(always)]
 pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }

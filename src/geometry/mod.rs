@@ -5,6 +5,7 @@
 
 pub mod bezier;
 mod decided;
+mod estimate;
 mod exact;
 pub(crate) mod expansion;
 mod face;
