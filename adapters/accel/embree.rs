@@ -40,9 +40,14 @@ pub enum Quality {
 }
 
 impl Quality {
-    /// Names as in specifications.
+    /// Names as in specifications, in the order of the variants.
     pub const NAMES: [(&'static str, Quality); 3] =
         [("low", Quality::Low), ("medium", Quality::Medium), ("high", Quality::High)];
+
+    /// Its name in specifications.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize].0
+    }
 }
 
 /// What rays go through.
@@ -273,7 +278,7 @@ impl Accel for Adapter {
     }
 
     fn describe(&self) -> String {
-        let quality = Quality::NAMES.iter().find(|(_, q)| *q == self.options.quality).map_or("", |(name, _)| name);
+        let quality = self.options.quality.name();
         let robust = if self.options.robust { ", robust" } else { "" };
         let name = &self.scene.api.name;
         self.labels.describe(&format!("{name}, quality {quality}{robust}, nodes and tests are not counted"))

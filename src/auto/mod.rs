@@ -129,13 +129,7 @@ mod tests {
     use glam::Vec3;
 
     fn soup(count: usize, size: f32) -> Vec<Triangle> {
-        let mut random = Random::new(5);
-        (0..count)
-            .map(|_| {
-                let p = random.in_cube();
-                [p, p + size * random.in_cube(), p + size * random.in_cube()]
-            })
-            .collect()
+        Random::new(5).soup(count, size)
     }
 
     #[test]

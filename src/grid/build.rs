@@ -246,12 +246,7 @@ mod tests {
     use crate::ray::Ray;
 
     fn soup(seed: u64, count: usize, size: f32) -> Vec<Triangle> {
-        let mut random = Random::new(seed);
-        let mut triangle = || {
-            let p = random.in_cube();
-            [p, p + size * random.in_cube(), p + size * random.in_cube()]
-        };
-        (0..count).map(|_| triangle()).collect()
+        Random::new(seed).soup(count, size)
     }
 
     #[test]

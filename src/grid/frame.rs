@@ -79,6 +79,7 @@ impl Frame {
     /// The voxel of an index.
     pub fn coordinates(&self, index: usize) -> [u32; 3] {
         let [nx, ny, _] = self.resolution.map(|n| n as usize);
+        // Less than the resolution each.
         [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as u32)
     }
 

@@ -3,26 +3,25 @@
 mod auto;
 mod bsp;
 mod grid;
+mod nearest;
 mod nested;
+#[cfg(feature = "obvhs")]
+mod obvhs;
 mod peers;
 mod spec;
 mod variants;
 mod voxels;
 
-pub use peers::LEFT_OUT;
-pub use spec::Spec;
 #[cfg(feature = "scene")]
-pub(crate) use spec::did_you_mean;
+pub(crate) use nearest::did_you_mean;
+pub(crate) use spec::Spec;
 #[cfg(feature = "cli")]
 pub(crate) use spec::parse_bytes;
 pub use variants::{peers, variants, walks};
 
 use crate::accel::{Accel, BruteForce, PointShadows};
-#[cfg(feature = "obvhs")]
-use crate::adapters::obvhs::{self, Preset};
-use crate::adapters::soup::{Given, Soup};
 use crate::auto::Choice;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::grid::{GridOptions, ShadowVoxels};
 use glam::DVec3;
@@ -94,37 +93,14 @@ pub const ENTRIES: &[Entry] = &[
     grid::DSZ24,
     grid::CHESSBOARD,
     grid::OCTANT,
-    Entry {
-        name: "voxels",
-        summary: "solid voxels without lists: a hit is a crossing from empty to solid; for scenes of voxels alone",
-        options: "step=branching|branchless (branching), skip=none|clouds|dsz|dual|dsz24|chessboard|octant (none; with \
-                  step=branching), threshold=N (3), distances=linear|log2|half (linear), lane=N (16; of dual), memory=BYTES (a \
-                  quarter of the machine's, at most 8G)",
-        source: "after an article on branchless DDA voxel tracing; Amanatides & Woo 1987",
-        needs: Needs::SolidVoxels,
-        exact: true,
-    },
+    voxels::ENTRY,
     bsp::ENTRY,
     nested::ENTRY,
     auto::ENTRY,
     #[cfg(feature = "obvhs")]
-    Entry {
-        name: "obvhs-bvh2",
-        summary: "two-wide BVH of the crate obvhs",
-        options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
-        source: "obvhs 0.4: PLOC (Meister & Bittner 2018), reinsertion",
-        needs: Needs::Any,
-        exact: true,
-    },
+    obvhs::BVH2,
     #[cfg(feature = "obvhs")]
-    Entry {
-        name: "obvhs-cwbvh",
-        summary: "eight-wide compressed BVH of the crate obvhs",
-        options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
-        source: "obvhs 0.4: Ylitie et al. 2017 over PLOC",
-        needs: Needs::Any,
-        exact: true,
-    },
+    obvhs::CWBVH,
     #[cfg(feature = "obvhs")]
     peers::OBVHS_BVH2,
     #[cfg(feature = "obvhs")]
@@ -137,6 +113,26 @@ pub const ENTRIES: &[Entry] = &[
     peers::BVH,
     #[cfg(feature = "parry")]
     peers::PARRY,
+];
+
+/// Names of accelerators that are not compiled in, with the feature that brings each in.
+pub const LEFT_OUT: &[(&str, &str)] = &[
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-bvh2", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-cwbvh", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-native-bvh2", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-native-cwbvh", "obvhs"),
+    #[cfg(not(feature = "embree"))]
+    ("embree", "embree"),
+    #[cfg(not(feature = "embree"))]
+    ("embree-robust", "embree"),
+    #[cfg(not(feature = "bvh"))]
+    ("bvh", "bvh"),
+    #[cfg(not(feature = "parry"))]
+    ("parry", "parry"),
 ];
 
 /// Whether the accelerator that `spec` describes promises exact answers: no peer, and no leaps that land as printed. One that
@@ -181,31 +177,8 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
             None => return Err(spec.error("needs a scene of solid voxels such as a .vox file")),
         },
         #[cfg(feature = "obvhs")]
-        "obvhs-bvh2" => {
-            let mut spec = spec;
-            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
-            spec.finish()?;
-            Box::new(obvhs::bvh2(geometry, preset))
-        }
-        #[cfg(feature = "obvhs")]
-        "obvhs-cwbvh" => {
-            let mut spec = spec;
-            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
-            spec.finish()?;
-            Box::new(obvhs::cwbvh(geometry, preset))
-        }
-        name if peers::has(name) => {
-            let given = if peers::takes_spheres(name) {
-                Given::of(&geometry)
-            } else {
-                Soup::of(&geometry).map(Given::Triangles)
-            };
-            let given = given.map_err(|error| match error {
-                Error::Invalid { cause } => spec.error(cause),
-                other => other,
-            })?;
-            peers::build(spec, given)?
-        }
+        "obvhs-bvh2" | "obvhs-cwbvh" => obvhs::build(spec, geometry)?,
+        name if peers::has(name) => peers::build(spec, &geometry)?,
         _ => return Err(spec.unknown_name(ENTRIES)),
     })
 }

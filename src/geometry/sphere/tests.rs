@@ -16,12 +16,8 @@ fn stiff(random: &mut Random) -> (Ray, [Sphere; 2]) {
     let target = origin + direction * [1.0, 2.0, 0.0, 7.0][random.next() as usize % 4];
     let mut ball = || {
         // A whole distance half of the time.
-        let whole = [
-            Vec3::new(3.0, 0.0, -4.0),
-            Vec3::new(2.0, 1.0, 2.0),
-            Vec3::new(0.0, -5.0, 0.0),
-            Vec3::new(-2.0, 6.0, 3.0),
-        ];
+        let whole =
+            [Vec3::new(3.0, 0.0, -4.0), Vec3::new(2.0, 1.0, 2.0), Vec3::new(0.0, -5.0, 0.0), Vec3::new(-2.0, 6.0, 3.0)];
         let offset =
             if random.next().is_multiple_of(2) { whole[random.next() as usize % 4] } else { lattice(random, 3) };
         let centre = target + offset;

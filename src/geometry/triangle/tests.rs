@@ -63,8 +63,5 @@ fn the_filter_decides_as_the_last_stage_does() {
         }
         hits += usize::from(expected.is_some());
     }
-    assert!(
-        tested > 30_000 && hits > 5_000 && rejected > 20_000,
-        "{tested} rays, {hits} hits, {rejected} rejected"
-    );
+    assert!(tested > 30_000 && hits > 5_000 && rejected > 20_000, "{tested} rays, {hits} hits, {rejected} rejected");
 }
