@@ -5,6 +5,9 @@
 //! The walk goes there at once. One promise, one test for all methods: from the voxel
 //! where the ray is up to that parameter it meets empty voxels only.
 //!
+//! A method is a file that stands for itself: the source, why the region is empty, where it departs from the print. Each has a page
+//! with a picture in `docs/methods`.
+//!
 //! The sources land elsewhere: they carry the ray D - 1 city-block units forwards from where it is, and only if D is at least
 //! 5. In three dimensions that passes filled voxels ([`printed`]). A ray that has gone the distance f, 0 <= f < 1, into its
 //! voxel along each axis reaches voxels up to floor(f_x + S_x) + floor(f_y + S_y) + floor(f_z + S_z) away after a city-block
