@@ -13,8 +13,6 @@
 
 mod interface;
 
-pub use interface::VARIABLE;
-
 use super::soup::{Given, Labels, Soup, forwards};
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe};
 use crate::error::{Error, Result};

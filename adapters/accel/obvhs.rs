@@ -75,12 +75,25 @@ impl Preset {
     }
 }
 
-/// Builds obvhs' two-wide BVH over `geometry`.
+/// Builds obvhs' two-wide BVH over `geometry`, which it owns, borrows or shares. Answers are exact, by the geometry's own test.
+///
+/// ```
+/// use glam::Vec3;
+/// use skipgrid::adapters::obvhs::{Preset, bvh2, cwbvh};
+/// use skipgrid::{Accel, Hit, Ray};
+///
+/// let triangles = vec![[Vec3::ZERO, Vec3::X, Vec3::Y], [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + Vec3::Z)];
+/// let (two, eight) = (bvh2(&triangles, Preset::Fast), cwbvh(&triangles, Preset::default()));
+/// let ray = Ray::new(Vec3::new(0.5, 0.5, 4.0), Vec3::NEG_Z); // through an edge
+/// assert_eq!(two.closest_hit(&ray), Some(Hit { t: 3.0, prim: 1 }));
+/// assert_eq!(eight.closest_hit(&ray), two.closest_hit(&ray));
+/// ```
 pub fn bvh2<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> impl Accel + 'a {
     Bvh::<G, Bvh2>::build(geometry, preset)
 }
 
-/// Builds obvhs' eight-wide compressed BVH over `geometry`.
+/// Builds obvhs' eight-wide compressed BVH over `geometry`, as [`bvh2`] the two-wide one. Where it would be deeper than obvhs can walk
+/// it stays two-wide.
 pub fn cwbvh<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> impl Accel + 'a {
     Bvh::<G, Wide>::build(geometry, preset)
 }

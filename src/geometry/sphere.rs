@@ -18,7 +18,7 @@ use crate::ray::{Aabb, Cell, Ray};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// The surface of a ball, world units.
+/// The surface of a ball, world units. A ray from the inside meets it where it leaves; one that touches it meets it once.
 ///
 /// A radius of 0 is a point. Never hit: a centre or radius that is not finite, a negative radius, or a sphere that
 /// reaches beyond the greatest f32 along an axis.

@@ -19,7 +19,10 @@ use crate::ray::{Aabb, Ray};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// A closed, two-sided triangle given by its corners, world units.
+/// A closed, two-sided triangle given by its corners, world units: corners and edges belong to it.
+///
+/// Never hit: a triangle with a corner that is not finite or with its corners on a line, and any triangle by a ray that is parallel
+/// to its plane.
 pub type Triangle = [Vec3; 3];
 
 /// Tests triangle `prim` of `set`, whose corners are given; see [`Geometry::test`].

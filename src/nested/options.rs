@@ -63,7 +63,8 @@ pub struct NestedOptions {
     pub instructions: Instructions,
     /// What is below the grid on top.
     pub below: Below,
-    /// Cells of the grid on top for each primitive, 0 for one in all; without it, it depends on how the primitives fill the box.
+    /// Cells of the grid on top for each primitive; 0, and whatever is below it or a NaN, for one in all, and no more than 512 along an
+    /// axis. `None`: by how the primitives fill the box.
     pub density: Option<f64>,
 }
 

@@ -30,7 +30,7 @@ struct Axis {
 impl Voxels {
     /// Plane `k` of an axis lies at `min + k (max - min) / n`, for `k` from 0 to the axis's resolution `n`.
     ///
-    /// The corners are finite, `min` is below `max` along each axis, and no resolution is 0.
+    /// The corners are finite, world units, `min` is below `max` along each axis, and no resolution is 0; else paths mean nothing.
     pub fn of_box(bounds: &Aabb, resolution: [u32; 3]) -> Self {
         let corners = [bounds.min, bounds.max].map(|v| v.to_array().map(f64::from));
         let exponent = least_exponent(corners.as_flattened().iter().copied());
@@ -43,7 +43,7 @@ impl Voxels {
 
     /// Plane `k` of an axis lies at `lo + k / inverse`.
     ///
-    /// Both are finite, `inverse` is above zero along each axis, and no resolution is 0.
+    /// Both are finite, `inverse` is above zero along each axis, and no resolution is 0; else paths mean nothing.
     pub fn of_map(lo: DVec3, inverse: DVec3, resolution: [u32; 3]) -> Self {
         let parts = [0, 1, 2].map(|a| (split(lo[a]), split(inverse[a])));
         let exponent = parts.iter().map(|((m, e), (_, down))| if *m == 0 { -down } else { (*e).min(-down) }).min();
@@ -56,7 +56,7 @@ impl Voxels {
         Self { resolution, axes, exponent }
     }
 
-    /// Where `ray` passes; `None` if it is none or does not meet the closed box.
+    /// Where `ray` passes; `None` if it is none, as [`Ray::intake`] has it, or does not meet the closed box within its range.
     pub fn path(&self, ray: &Ray) -> Option<Path> {
         Path::new(self, ray)
     }

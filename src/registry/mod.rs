@@ -57,7 +57,7 @@ pub enum Needs {
 }
 
 impl Entry {
-    /// True if it can be built over `geometry`.
+    /// True if it can be built over `geometry`, of which it may look at every primitive.
     pub fn suits<G: Geometry + ?Sized>(&self, geometry: &G) -> bool {
         match self.needs {
             Needs::Any => true,
@@ -145,6 +145,8 @@ pub fn promises_exact(spec: &str) -> bool {
 
 /// Builds the accelerator that `spec` names over `geometry`, which it owns, borrows (`&G`) or shares (`Arc<G>`).
 ///
+/// `spec` is a name of [`ENTRIES`], or a name and options: `name:key=value,key=value`. [`Entry::options`] says which there are.
+///
 /// ```
 /// use skipgrid::{Accel, Hit, Ray, registry};
 /// use glam::Vec3;
@@ -156,8 +158,9 @@ pub fn promises_exact(spec: &str) -> bool {
 /// ```
 ///
 /// # Errors
-/// The name or an option is unknown, a value is out of range, the accelerator [`Needs`] another geometry or a library that is
-/// [`Entry::missing`], or the structure would exceed its memory budget.
+/// [`Error::Spec`](crate::Error::Spec): the name or an option is unknown, a value is out of range, the accelerator [`Needs`] another
+/// geometry or a library that is [`Entry::missing`]. [`Error::TooLarge`](crate::Error::TooLarge): the structure would exceed its memory
+/// budget, or what another library can take. [`Error::Invalid`](crate::Error::Invalid): another library fails.
 pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Accel + 'a>> {
     let spec = Spec::parse(spec)?;
     Ok(match spec.name() {
@@ -183,10 +186,10 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
     })
 }
 
-/// What `spec` stands for over `geometry`, and why, if it is `auto`; else `None`.
+/// What `spec` stands for over `geometry`, and why, if it is `auto`; else `None`, and nothing but the name is looked at.
 ///
 /// # Errors
-/// An option of `auto` is unknown or out of range.
+/// It is no specification (`name:key=value,key=value`), or an option of `auto` is unknown or out of range.
 pub fn choose<G: Geometry>(spec: &str, geometry: &G) -> Result<Option<(String, Choice)>> {
     let spec = Spec::parse(spec)?;
     if spec.name() == "auto" { auto::choose(spec, geometry).map(Some) } else { Ok(None) }

@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_int, c_void};
 use std::sync::OnceLock;
 
 /// Names the library to open instead of the system's.
-pub const VARIABLE: &str = "SKIPGRID_EMBREE";
+const VARIABLE: &str = "SKIPGRID_EMBREE";
 
 /// Under these names, the first that opens, unless [`VARIABLE`] is set.
 const NAMES: [&str; 8] = [

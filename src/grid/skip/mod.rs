@@ -45,7 +45,7 @@ use super::walk::Walk;
 use crate::accel::Memory;
 use crate::parallel;
 
-/// What a walk finds in a voxel.
+/// What a walk finds in a voxel. Parameters are the ray's own.
 pub enum Look<'a> {
     /// Primitives to test, possibly none; the walk goes on with a step.
     List(&'a [u32]),
@@ -56,7 +56,8 @@ pub enum Look<'a> {
     Near,
 }
 
-/// A grid's voxels as a walk `W` meets them: lists, and how far it may go over empty ones.
+/// A grid's voxels as a walk `W` meets them: lists, and how far it may go over empty ones. [`NoSkip`] and [`Table`] are what there is;
+/// it names types of this module alone, so that no others can be.
 pub trait Skip<W> {
     /// What is computed once for each ray.
     type Ray;
@@ -70,7 +71,7 @@ pub trait Skip<W> {
 
 /// What is known of a grid's voxels apart from any walk.
 pub trait Voxels: Send + Sync {
-    /// Bytes, by purpose.
+    /// Bytes of voxels, references and distances.
     fn memory(&self) -> Memory;
 
     /// Number of voxels without a primitive.
@@ -83,7 +84,8 @@ pub trait Voxels: Send + Sync {
     fn describe(&self) -> String;
 }
 
-/// A way to know empty regions from a few distances for each voxel.
+/// A way to know empty regions from a few distances for each voxel. Those of this module are all there are: it names types that are not
+/// public. Which one a grid has is a type parameter, so that the loop over voxels has no choice in it.
 pub trait Method: Send + Sync + 'static {
     /// Bytes of a voxel with linear distances.
     type Slot: Slot;
