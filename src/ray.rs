@@ -102,6 +102,28 @@ impl Aabb {
     }
 }
 
+/// For builders: the corners of an empty box are the origin here, so that there is a place to put what holds nothing.
+impl Aabb {
+    /// Both corners.
+    pub(crate) fn corners(&self) -> [DVec3; 2] {
+        if self.is_empty() { [DVec3::ZERO; 2] } else { [self.min.as_dvec3(), self.max.as_dvec3()] }
+    }
+
+    /// The largest coordinate of a corner, without its sign.
+    pub(crate) fn reach(&self) -> f64 {
+        let [min, max] = self.corners();
+        min.abs().max(max.abs()).max_element()
+    }
+
+    /// By how much structures pad the box: 2^-10 of its largest extent, so that flat scenes have a thickness, and at least `least` of
+    /// its [`Aabb::reach`], so that f64 can tell its faces apart.
+    pub(crate) fn padding(&self, least: f64) -> f64 {
+        let [min, max] = self.corners();
+        // 1e-60: below any f32 distance, far above where one over it would overflow.
+        ((max - min).max_element() / 1024.0).max(self.reach() * least).max(1e-60)
+    }
+}
+
 /// An axis-aligned box in f64: a grid cell, which may be smaller than f32 can tell apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {

@@ -83,12 +83,7 @@ impl Frame {
     /// thickness of 2^-7, so that cells have one. It is padded more on one side: things are often symmetric, and whatever lies in
     /// a plane of symmetry would otherwise lie in a plane between cells and be listed on both sides of it.
     pub fn new(bounds: &Aabb) -> Self {
-        let bounds = if bounds.is_empty() { Aabb { min: Vec3::ZERO, max: Vec3::ZERO } } else { *bounds };
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let largest = min.abs().max(max.abs()).max_element();
-        let extent = ((max - min) * 0.5).max_element();
-        // 1e-60: below any f32 distance, far above where the inverse would overflow.
-        let pad = (extent / 512.0).max(largest * 2.0_f64.powi(-26)).max(1e-60);
+        let ([min, max], pad) = (bounds.corners(), bounds.padding(2.0_f64.powi(-26)));
         let aside = DVec3::new(0.29, 0.37, 0.43) * pad;
         let middle = ((min + max) * 0.5 + aside).as_vec3();
         let centre = middle.as_dvec3();

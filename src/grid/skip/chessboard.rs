@@ -6,7 +6,7 @@
 //!
 //! Region: that cube holds no filled voxel, by the definition of C. The ray moves one way along each axis, so all of the cube that
 //! it can meet is the box of C voxels along each axis that begins with the voxel. It is in that box until the least of the
-//! parameters at which it crosses the box's three far planes ([`box_end`]).
+//! parameters at which it crosses the box's three far planes ([`super::region`]).
 //!
 //! The exit is an ordinary voxel crossing, so there is no rule of thumb to land safely. What can fail is an implementation that
 //! takes `floor` of the point on the face: it may be rounded to the voxel before, from which the ray leaps to the same face for ever.

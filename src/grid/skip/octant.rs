@@ -5,7 +5,7 @@
 //!
 //! Region: the box of C_o voxels along each axis that begins with the voxel and reaches along the octant holds no filled voxel,
 //! by the definition of C_o. A ray of octant o moves one way along each axis, so it meets voxels of the closed octant only, and
-//! is in the box until it crosses one of its three far planes ([`box_end`]). What lies behind the ray, or to the side that it
+//! is in the box until it crosses one of its three far planes ([`super::region`]). What lies behind the ray, or to the side that it
 //! moves away from, does not shorten the leap. An axis along which it does not move counts as forwards and bounds nothing.
 //!
 //! Departs from both: one extent for each octant, a cube and not a box of three extents, so that eight bytes are enough.
