@@ -1,7 +1,8 @@
 //! Whether `auto` chooses well: the time to an image with its choice, over that with the best of a list of fixed ones.
 //!
-//! `cargo bench --bench auto [-- SCENE..]`: the scenes of `reference/`, those of the catalogue of `skipgrid bench`, or any others. An image
-//! is a build and a picture with direct light, shading included: 512 x 512 pixels of one sample, and 128 x 128 of 64.
+//! `cargo bench --bench auto [-- SCENE..]`: the scenes of `reference/`, those of the catalogue of `skipgrid bench`, or any
+//! others. An image is a build and a picture with direct light, shading included: 512 x 512 pixels of one sample, and 128 x
+//! 128 of 64.
 
 mod arguments;
 mod clock;

@@ -115,8 +115,8 @@ impl Aabb {
         min.abs().max(max.abs()).max_element()
     }
 
-    /// By how much structures pad the box: 2^-10 of its largest extent, so that flat scenes have a thickness, and at least `least` of
-    /// its [`Aabb::reach`], so that f64 can tell its faces apart.
+    /// By how much structures pad the box: 2^-10 of its largest extent, so that flat scenes have a thickness, and at least
+    /// `least` of its [`Aabb::reach`], so that f64 can tell its faces apart.
     pub(crate) fn padding(&self, least: f64) -> f64 {
         let [min, max] = self.corners();
         // 1e-60: below any f32 distance, far above where one over it would overflow.

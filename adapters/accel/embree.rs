@@ -1,7 +1,8 @@
 //! Intel's Embree 3 or 4, opened at run time: nothing of it is needed to build this program.
 //!
-//! A peer to compare with, as its authors intend: one triangle mesh or one set of spheres, single rays, its own tests in f32. The library is
-//! the one that the environment variable `SKIPGRID_EMBREE` names, else what the system finds under Embree's usual names.
+//! A peer to compare with, as its authors intend: one triangle mesh or one set of spheres, single rays, its own tests in
+//! f32. The library is the one that the environment variable `SKIPGRID_EMBREE` names, else what the system finds under
+//! Embree's usual names.
 //!
 //! Some builds of Embree (Debian's 3.13.5 is one) check rays by assertions, which end the process. So no ray is handed over
 //! that such a check refuses: not what [`Ray::intake`] refuses, none with a negative `t_min` (0 instead) and none beyond 2^60,

@@ -92,8 +92,8 @@ pub fn bvh2<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> impl Accel + '
     Bvh::<G, Bvh2>::build(geometry, preset)
 }
 
-/// Builds obvhs' eight-wide compressed BVH over `geometry`, as [`bvh2`] the two-wide one. Where it would be deeper than obvhs can walk
-/// it stays two-wide.
+/// Builds obvhs' eight-wide compressed BVH over `geometry`, as [`bvh2`] the two-wide one. Where it would be deeper than
+/// obvhs can walk it stays two-wide.
 pub fn cwbvh<'a, G: Geometry + 'a>(geometry: G, preset: Preset) -> impl Accel + 'a {
     Bvh::<G, Wide>::build(geometry, preset)
 }

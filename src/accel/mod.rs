@@ -33,12 +33,13 @@ pub struct Hit {
 
 /// Finds primitives along rays.
 ///
-/// Contract, checked for every registered accelerator that promises [exact](crate::registry::Entry::exact) answers: `t` lies in `[t_min, t_max]`; the least `t` wins, then the least
-/// `prim`; directions need not be unit; a ray that is not finite or has no direction hits nothing; no panic and no
-/// endless loop for any bits; [`Accel::any_hit`] is true exactly when [`Accel::closest_hit`] finds something.
+/// Contract, checked for every registered accelerator that promises [exact](crate::registry::Entry::exact) answers: `t`
+/// lies in `[t_min, t_max]`; the least `t` wins, then the least `prim`; directions need not be unit; a ray that is not
+/// finite or has no direction hits nothing; no panic and no endless loop for any bits; [`Accel::any_hit`] is true exactly
+/// when [`Accel::closest_hit`] finds something.
 ///
-/// Object-safe: choose at run time with `Box<dyn Accel>`, or statically with `A: Accel + ?Sized`. `&A`, `Box<A>` and `Arc<A>` of any
-/// accelerator `A` are accelerators.
+/// Object-safe: choose at run time with `Box<dyn Accel>`, or statically with `A: Accel + ?Sized`. `&A`, `Box<A>` and
+/// `Arc<A>` of any accelerator `A` are accelerators.
 ///
 /// ```
 /// use glam::Vec3;

@@ -1,8 +1,8 @@
 //! Chooses an accelerator for a scene and a number of rays, and says what it leaves out and why.
 //!
-//! A structure is worth building if it saves more on the rays than it costs. So the choice is the least of estimated times, build and
-//! rays together: `costs` has the estimates, from measurements, and [`Look`] what they depend on. A wrong estimate costs time, never an
-//! answer: all that can be chosen gives the same bits.
+//! A structure is worth building if it saves more on the rays than it costs. So the choice is the least of estimated times,
+//! build and rays together: `costs` has the estimates, from measurements, and [`Look`] what they depend on. A wrong
+//! estimate costs time, never an answer: all that can be chosen gives the same bits.
 
 mod costs;
 mod look;
@@ -103,10 +103,12 @@ impl Choice {
     }
 }
 
-/// Chooses for `geometry` and a number of rays, finite and from 0; [`USUAL_RAYS`] where nobody says. Looks at 16 384 primitives at most.
+/// Chooses for `geometry` and a number of rays, finite and from 0; [`USUAL_RAYS`] where nobody says. Looks at 16 384
+/// primitives at most.
 ///
-/// This is what the name `auto` of [`registry::build`](crate::registry::build) does; [`registry::choose`](crate::registry::choose) says
-/// what it would. With a NaN or a number below 0 there is a choice too, but without meaning.
+/// This is what the name `auto` of [`registry::build`](crate::registry::build) does;
+/// [`registry::choose`](crate::registry::choose) says what it would. With a NaN or a number below 0 there is a choice too,
+/// but without meaning.
 ///
 /// ```
 /// use glam::Vec3;

@@ -10,8 +10,8 @@ pub enum Choice {
     /// Cells are halved along x, y and z in turn: three levels are one of an octree.
     #[default]
     Midpoint,
-    /// Across the axis and at the place, one of 25 for each axis, that promise the least cost by the surface area heuristic (MacDonald &
-    /// Booth 1990).
+    /// Across the axis and at the place, one of 25 for each axis, that promise the least cost by the surface area heuristic
+    /// (MacDonald & Booth 1990).
     Sah,
     /// As that, from planes across the axes and across the diagonals of two of them.
     Oblique,

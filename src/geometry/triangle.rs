@@ -74,10 +74,10 @@ pub(super) fn locate(corners: &Triangle, ray: &Ray) -> Option<(f64, f64)> {
 
 /// The second stage.
 ///
-/// Every quantity is a sum of six products of three differences of inputs. With `u = 2^-53` each product carries at
-/// most eight roundings (three differences, two products, three sums), so a sum is known within
-/// `8 u * 6 * (greatest components of the three factors)`; [`BOUND`] adds a sixth for higher orders and the bound's own rounding. Values
-/// are multiples of 2^-447 below 2^390 for every finite input: nothing over- or underflows.
+/// Every quantity is a sum of six products of three differences of inputs. With `u = 2^-53` each product carries at most
+/// eight roundings (three differences, two products, three sums), so a sum is known within
+/// `8 u * 6 * (greatest components of the three factors)`; [`BOUND`] adds a sixth for higher orders and the bound's own
+/// rounding. Values are multiples of 2^-447 below 2^390 for every finite input: nothing over- or underflows.
 #[inline(never)]
 pub(super) fn confirm<G: Geometry + ?Sized>(
     set: &G,

@@ -22,8 +22,8 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
     /// Builds a grid over `geometry`. Primitives that no ray can hit are left out; an empty geometry is fine.
     ///
     /// # Errors
-    /// An option is out of range; voxels and references, or they and the seeds of primitives whose tests iterate, would take more than
-    /// `options.memory` bytes; or the system refuses the memory.
+    /// An option is out of range; voxels and references, or they and the seeds of primitives whose tests iterate, would
+    /// take more than `options.memory` bytes; or the system refuses the memory.
     ///
     /// ```
     /// use glam::Vec3;
@@ -59,9 +59,9 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
     }
 
     /// Builds the grid anew, with the options that it was built with: as a fresh one, to the bit, in the memory of this
-    /// one. From the second time on, nothing large is allocated for as many primitives and references. For that the grid keeps what it
-    /// needs while it builds, some 50 bytes for each primitive, which [`Accel::memory`](crate::accel::Accel::memory)
-    /// does not count, as rays do not use it; [`Clone`] does.
+    /// one. From the second time on, nothing large is allocated for as many primitives and references. For that the grid
+    /// keeps what it needs while it builds, some 50 bytes for each primitive, which
+    /// [`Accel::memory`](crate::accel::Accel::memory) does not count, as rays do not use it; [`Clone`] does.
     ///
     /// # Errors
     /// As [`Grid::build`]. Then all primitives are in one voxel, and answers as always but slow.

@@ -158,9 +158,10 @@ pub fn promises_exact(spec: &str) -> bool {
 /// ```
 ///
 /// # Errors
-/// [`Error::Spec`](crate::Error::Spec): the name or an option is unknown, a value is out of range, the accelerator [`Needs`] another
-/// geometry or a library that is [`Entry::missing`]. [`Error::TooLarge`](crate::Error::TooLarge): the structure would exceed its memory
-/// budget, or what another library can take. [`Error::Invalid`](crate::Error::Invalid): another library fails.
+/// [`Error::Spec`](crate::Error::Spec): the name or an option is unknown, a value is out of range, the accelerator
+/// [`Needs`] another geometry or a library that is [`Entry::missing`]. [`Error::TooLarge`](crate::Error::TooLarge): the
+/// structure would exceed its memory budget, or what another library can take. [`Error::Invalid`](crate::Error::Invalid):
+/// another library fails.
 pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Accel + 'a>> {
     let spec = Spec::parse(spec)?;
     Ok(match spec.name() {

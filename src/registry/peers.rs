@@ -85,11 +85,9 @@ fn takes_spheres(name: &str) -> bool {
     super::ENTRIES.iter().any(|entry| entry.name == name && entry.needs == Needs::OneKind)
 }
 
-/// True if [`build`] knows the accelerator `name`.
+/// True if [`build`] knows the accelerator `name`: the entries of this file are those that are not exact.
 pub(super) fn has(name: &str) -> bool {
-    let native = cfg!(feature = "obvhs") && matches!(name, "obvhs-native-bvh2" | "obvhs-native-cwbvh");
-    let embree = cfg!(feature = "embree") && matches!(name, "embree" | "embree-robust");
-    native || embree || (cfg!(feature = "bvh") && name == "bvh") || (cfg!(feature = "parry") && name == "parry")
+    super::ENTRIES.iter().any(|entry| entry.name == name && !entry.exact)
 }
 
 /// What peers of triangles alone are given.

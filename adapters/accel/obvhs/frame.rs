@@ -21,6 +21,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    /// The frame around `bounds`; any frame if they are empty.
     pub fn new(bounds: &Aabb) -> Self {
         if bounds.is_empty() {
             return Self { centre: Vec3::ZERO, scale: 1.0, near_scale: None, half: DVec3::ZERO };
@@ -40,6 +41,7 @@ impl Frame {
         (world - self.centre.as_dvec3()) * self.scale
     }
 
+    /// A box in the frame, padded.
     pub fn local_box(&self, aabb: &Aabb) -> obvhs::aabb::Aabb {
         let (min, max) = (self.to_local(aabb.min.as_dvec3()) - PADDING, self.to_local(aabb.max.as_dvec3()) + PADDING);
         obvhs::aabb::Aabb { min: min.as_vec3a(), max: max.as_vec3a() }

@@ -12,11 +12,13 @@ use std::time::Duration;
 
 /// One of obvhs' two trees, as far as this adapter needs it.
 pub(super) trait Tree: Send + Sync + Sized {
+    /// Builds the tree over boxes of the frame, at least one.
     fn build(boxes: &[obvhs::aabb::Aabb], params: BvhBuildParams) -> Self;
     /// Calls `leaf` with the position in the leaf order of each candidate; it returns the new end of the ray or `inf`.
     fn closest(&self, ray: obvhs::ray::Ray, leaf: impl FnMut(usize) -> f32);
     /// As `closest`, and ends when `leaf` returns something before the end of the ray; true if it did.
     fn any(&self, ray: obvhs::ray::Ray, leaf: impl FnMut(usize) -> f32) -> bool;
+    /// The box of each position in the leaf order.
     fn order(&self) -> &[u32];
     fn node_bytes(&self) -> usize;
     /// What is unusual about it, to follow a description.

@@ -8,9 +8,9 @@
 //! it can meet is the box of C voxels along each axis that begins with the voxel. It is in that box until the least of the
 //! parameters at which it crosses the box's three far planes ([`super::region`]).
 //!
-//! The exit is an ordinary voxel crossing, so there is no rule of thumb to land safely. What can fail is an implementation that
-//! takes `floor` of the point on the face: it may be rounded to the voxel before, from which the ray leaps to the same face for ever.
-//! Here planes are counted, and one at least is crossed ([`crate::grid::Walk`]).
+//! The exit is an ordinary voxel crossing, so there is no rule of thumb to land safely. What can fail is an implementation
+//! that takes `floor` of the point on the face: it may be rounded to the voxel before, from which the ray leaps to the same
+//! face for ever. Here planes are counted, and one at least is crossed ([`crate::grid::Walk`]).
 //!
 //! Departs from the paper: it samples volumes, here filled voxels hold primitives; the distances are the least of those of the
 //! eight octants (`distance.rs`), and end at 255.

@@ -56,8 +56,8 @@ pub enum Look<'a> {
     Near,
 }
 
-/// A grid's voxels as a walk `W` meets them: lists, and how far it may go over empty ones. [`NoSkip`] and [`Table`] are what there is;
-/// it names types of this module alone, so that no others can be.
+/// A grid's voxels as a walk `W` meets them: lists, and how far it may go over empty ones. [`NoSkip`] and [`Table`] are
+/// what there is; it names types of this module alone, so that no others can be.
 pub trait Skip<W> {
     /// What is computed once for each ray.
     type Ray;
@@ -84,8 +84,8 @@ pub trait Voxels: Send + Sync {
     fn describe(&self) -> String;
 }
 
-/// A way to know empty regions from a few distances for each voxel. Those of this module are all there are: it names types that are not
-/// public. Which one a grid has is a type parameter, so that the loop over voxels has no choice in it.
+/// A way to know empty regions from a few distances for each voxel. Those of this module are all there are: it names types
+/// that are not public. Which one a grid has is a type parameter, so that the loop over voxels has no choice in it.
 pub trait Method: Send + Sync + 'static {
     /// Bytes of a voxel with linear distances.
     type Slot: Slot;

@@ -1,7 +1,8 @@
 //! Chessboard distances for each octant of directions: the modern directed rival at eight bytes.
 //!
-//! Chessboard distances after Sramek & Kaufman 2000, made directional as in Es & Isler 2007 and Deakin & Knackstedt 2020: each
-//! empty voxel knows for each octant o of directions the chessboard distance C_o to the nearest filled voxel within the closed octant.
+//! Chessboard distances after Sramek & Kaufman 2000, made directional as in Es & Isler 2007 and Deakin & Knackstedt 2020:
+//! each empty voxel knows for each octant o of directions the chessboard distance C_o to the nearest filled voxel within
+//! the closed octant.
 //!
 //! Region: the box of C_o voxels along each axis that begins with the voxel and reaches along the octant holds no filled voxel,
 //! by the definition of C_o. A ray of octant o moves one way along each axis, so it meets voxels of the closed octant only, and
