@@ -4,8 +4,10 @@
 //! are of the processor, of all threads together, medians of the frames after the first two; contenders take turns, frame by frame.
 //! What they are given is copied and deformed outside the time. Embree and obvhs are used natively, with their own tests in f32.
 
+mod arguments;
 mod clock;
 
+use arguments::arguments;
 use clock::seconds;
 use glam::Vec3;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
@@ -218,9 +220,7 @@ fn quality(quality: Quality) -> NestedOptions {
 }
 
 fn main() -> ExitCode {
-    // `cargo bench` adds --bench; without it, as in `cargo test --benches`, a look at whether it runs is enough.
-    let bench = std::env::args().any(|argument| argument == "--bench");
-    let mut scenes: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let (bench, mut scenes) = arguments();
     if scenes.is_empty() {
         scenes = if bench { vec!["bumpy:n=200".into(), "spd-tetra:n=8".into()] } else { vec!["bumpy:n=8".into()] };
     }

@@ -1,10 +1,13 @@
 //! Whether `auto` chooses well: the time to an image with its choice, over that with the best of a list of fixed ones.
 //!
-//! `cargo bench --bench auto [-- SCENE..]`: the scenes of `reference/`, those of the catalogue of `skipgrid bench`, or any others. An image
-//! is a build and a picture with direct light, shading included: 512 x 512 pixels of one sample, and 128 x 128 of 64.
+//! `cargo bench --bench auto [-- SCENE..]`: the scenes of `reference/`, those of the catalogue of `skipgrid bench`, or any
+//! others. An image is a build and a picture with direct light, shading included: 512 x 512 pixels of one sample, and 128 x
+//! 128 of 64.
 
+mod arguments;
 mod clock;
 
+use arguments::arguments;
 use clock::seconds;
 use skipgrid::Result;
 use skipgrid::bench::{BenchScene, Source, select};
@@ -34,9 +37,7 @@ const FEW: u32 = 500;
 const HOPELESS: f64 = 3.0;
 
 fn main() -> Result<()> {
-    // `cargo bench` adds --bench; without it, as in `cargo test --benches`, a look at whether it runs is enough.
-    let bench = std::env::args().any(|argument| argument == "--bench");
-    let mut names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let (bench, mut names) = arguments();
     if names.is_empty() && !bench {
         names.push("cornell".into());
     }

@@ -2,13 +2,14 @@
 //!
 //! `cargo bench --bench exactness [-- SCENE..]`: scenes of triangles, files or made by formula.
 
+mod arguments;
+
+use arguments::arguments;
 use skipgrid::papers::exactness::{Options, SCENES, run};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // `cargo bench` adds --bench; without it, as in `cargo test --benches`, a look at whether it runs is enough.
-    let bench = std::env::args().any(|argument| argument == "--bench");
-    let mut scenes: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let (bench, mut scenes) = arguments();
     if scenes.is_empty() {
         scenes = if bench { SCENES.map(String::from).to_vec() } else { vec!["bumpy:n=8".into()] };
     }

@@ -2,8 +2,10 @@
 //!
 //! `cargo bench --bench nested_exactness [-- SCENE..]`: scenes of triangles, of the catalogue of `skipgrid bench` or any others.
 
+mod arguments;
 mod clock;
 
+use arguments::arguments;
 use clock::seconds;
 use skipgrid::bench::{Source, geomean, select};
 use skipgrid::measure::{Query, RayOptions, ray_sets};
@@ -14,9 +16,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 fn main() -> Result<()> {
-    // `cargo bench` adds --bench; without it, as in `cargo test --benches`, a look at whether it runs is enough.
-    let bench = std::env::args().any(|argument| argument == "--bench");
-    let mut names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let (bench, mut names) = arguments();
     if names.is_empty() {
         names = if bench { vec!["triangles".into(), "overlapping".into()] } else { vec!["bumpy:n=8".into()] };
     }

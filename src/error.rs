@@ -27,16 +27,16 @@ pub enum Error {
         /// Which part is wrong and what would be right.
         cause: String,
     },
-    /// A structure would need more memory than its budget.
+    /// A structure would need more memory than its budget, or more than the system gives.
     TooLarge {
         /// What was to be built, with its size.
         what: String,
         /// Bytes that it would take.
         wanted: u64,
-        /// Bytes that it may take.
+        /// Bytes that it may take; 0 where there is no budget and the system refuses them.
         allowed: u64,
     },
-    /// Input given in memory breaks a stated precondition.
+    /// What was given in memory breaks a stated precondition, or another library refuses it.
     Invalid {
         /// The thing, its place and the cause.
         cause: String,
@@ -47,17 +47,17 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// A file's content is not usable: `cause` names the place and the reason.
+    /// [`Error::Malformed`]: a file's content is not usable; `cause` names the place and the reason.
     pub fn malformed(path: impl AsRef<Path>, cause: impl Into<String>) -> Self {
         Error::Malformed { path: path.as_ref().to_path_buf(), cause: cause.into() }
     }
 
-    /// A file could not be read or written.
+    /// [`Error::Io`]: a file could not be read or written.
     pub fn io(path: impl AsRef<Path>, source: std::io::Error) -> Self {
         Error::Io { path: path.as_ref().to_path_buf(), source }
     }
 
-    /// Input in memory is not usable.
+    /// [`Error::Invalid`]: what was given in memory is not usable; `cause` names the thing, its place and the reason.
     pub fn invalid(cause: impl Into<String>) -> Self {
         Error::Invalid { cause: cause.into() }
     }

@@ -3,8 +3,6 @@
 //! Needs neither program nor scenes, so that it can be built with a sanitizer in little time; `.ci/races` does that.
 
 use glam::Vec3;
-use skipgrid::accel::PointShadows;
-use skipgrid::grid::{GridOptions, ShadowVoxels};
 use skipgrid::{Accel, Hit, Ray, Triangle, registry};
 use std::sync::{Arc, Barrier, Mutex};
 
@@ -118,6 +116,8 @@ fn accelerators_built_at_once_are_alike() {
 #[cfg(feature = "parallel")]
 #[test]
 fn the_number_of_threads_does_not_show_in_what_is_built() {
+    use skipgrid::accel::PointShadows;
+    use skipgrid::grid::{GridOptions, ShadowVoxels};
     let (triangles, rays) = (Arc::new(scene()), rays());
     let lights = [Vec3::new(0.0, 0.0, 4.0).as_dvec3(), Vec3::new(3.0, -3.0, 0.0).as_dvec3()];
     let with = |threads: usize| {

@@ -131,7 +131,7 @@ impl Accel for Adapter {
     fn memory(&self) -> Memory {
         Memory {
             structure: (self.tree.nodes.len() * size_of::<BvhNode<f32, 3>>()) as u64,
-            references: std::mem::size_of_val(self.shapes.as_slice()) as u64,
+            references: size_of_val(self.shapes.as_slice()) as u64,
             tables: 0,
         }
     }

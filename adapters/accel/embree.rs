@@ -1,7 +1,8 @@
 //! Intel's Embree 3 or 4, opened at run time: nothing of it is needed to build this program.
 //!
-//! A peer to compare with, as its authors intend: one triangle mesh or one set of spheres, single rays, its own tests in f32. The library is
-//! the one that the environment variable `SKIPGRID_EMBREE` names, else what the system finds under Embree's usual names.
+//! A peer to compare with, as its authors intend: one triangle mesh or one set of spheres, single rays, its own tests in
+//! f32. The library is the one that the environment variable `SKIPGRID_EMBREE` names, else what the system finds under
+//! Embree's usual names.
 //!
 //! Some builds of Embree (Debian's 3.13.5 is one) check rays by assertions, which end the process. So no ray is handed over
 //! that such a check refuses: not what [`Ray::intake`] refuses, none with a negative `t_min` (0 instead) and none beyond 2^60,
@@ -12,8 +13,6 @@
 #![allow(unsafe_code, reason = "calls into a C library")]
 
 mod interface;
-
-pub use interface::VARIABLE;
 
 use super::soup::{Given, Labels, Soup, forwards};
 use crate::accel::{Accel, Hit, Memory, Probe, queries_with_probe};
@@ -40,9 +39,14 @@ pub enum Quality {
 }
 
 impl Quality {
-    /// Names as in specifications.
+    /// Names as in specifications, in the order of the variants.
     pub const NAMES: [(&'static str, Quality); 3] =
         [("low", Quality::Low), ("medium", Quality::Medium), ("high", Quality::High)];
+
+    /// Its name in specifications.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize].0
+    }
 }
 
 /// What rays go through.
@@ -273,7 +277,7 @@ impl Accel for Adapter {
     }
 
     fn describe(&self) -> String {
-        let quality = Quality::NAMES.iter().find(|(_, q)| *q == self.options.quality).map_or("", |(name, _)| name);
+        let quality = self.options.quality.name();
         let robust = if self.options.robust { ", robust" } else { "" };
         let name = &self.scene.api.name;
         self.labels.describe(&format!("{name}, quality {quality}{robust}, nodes and tests are not counted"))

@@ -56,7 +56,7 @@ macro_rules! tree {
                 &self.primitive_indices
             }
             fn node_bytes(&self) -> usize {
-                std::mem::size_of_val(self.nodes.as_slice())
+                size_of_val(self.nodes.as_slice())
             }
         }
     };
@@ -201,7 +201,7 @@ impl<T: Tree, S: Shape> Accel for Native<T, S> {
 
     fn memory(&self) -> Memory {
         let tree = self.tree.as_ref();
-        let shapes = std::mem::size_of_val(self.shapes.as_slice());
+        let shapes = size_of_val(self.shapes.as_slice());
         Memory {
             structure: tree.map_or(0, |t| t.node_bytes() as u64),
             references: 4 * tree.map_or(0, |t| t.order().len()) as u64 + shapes as u64,
@@ -210,7 +210,7 @@ impl<T: Tree, S: Shape> Accel for Native<T, S> {
     }
 
     fn describe(&self) -> String {
-        let preset = Preset::NAMES.iter().find(|(_, p)| *p == self.preset).map_or("", |(name, _)| name);
+        let preset = self.preset.name();
         self.labels.describe(&format!("preset {preset}, {}, nodes visited are not counted", S::TEST))
     }
 }

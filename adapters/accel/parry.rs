@@ -73,7 +73,7 @@ impl Accel for Adapter {
         Memory {
             // A binary tree over n leaves.
             structure: (2 * triangles.len().max(1) - 1) as u64 * size_of::<BvhNode>() as u64,
-            references: (std::mem::size_of_val(corners) + std::mem::size_of_val(triangles)) as u64,
+            references: (size_of_val(corners) + size_of_val(triangles)) as u64,
             tables: 0,
         }
     }

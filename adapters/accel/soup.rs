@@ -51,7 +51,7 @@ pub struct Labels {
     prims: Vec<u32>,
     /// Around all primitives that a ray can hit, even those that the peer does not have.
     pub bounds: Aabb,
-    /// Primitives left out, as they are not finite or reach beyond [`LIMIT`].
+    /// Primitives left out, as they are not finite, reach beyond [`LIMIT`] or are spheres of no radius above 0.
     pub ignored: u32,
 }
 
@@ -124,8 +124,9 @@ fn within_limit(v: Vec3) -> bool {
 ///
 /// What [`Ray::intake`] refuses misses, and so does a ray with an origin or a direction beyond [`LIMIT`]. Peers look forwards
 /// only: a negative `t_min` becomes 0.
+#[allow(dead_code, reason = "no peer may be compiled in")]
 #[inline]
-pub fn forwards(ray: &Ray) -> Option<Ray> {
+pub(super) fn forwards(ray: &Ray) -> Option<Ray> {
     let ray = ray.intake()?;
     let usable = within_limit(ray.origin) && within_limit(ray.direction) && ray.t_max >= 0.0;
     usable.then(|| ray.with_range(ray.t_min.max(0.0), ray.t_max))
@@ -137,7 +138,8 @@ pub fn forwards(ray: &Ray) -> Option<Ray> {
 ///
 /// # Errors
 /// It panics.
-pub fn guarded<T>(name: &str, shapes: usize, build: impl FnOnce() -> T) -> Result<T> {
+#[allow(dead_code, reason = "no peer may be compiled in")]
+pub(super) fn guarded<T>(name: &str, shapes: usize, build: impl FnOnce() -> T) -> Result<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(build))
         .map_err(|_| Error::invalid(format!("{name} panics while it builds over {shapes} primitives")))
 }

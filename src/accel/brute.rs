@@ -14,7 +14,7 @@ pub struct BruteForce<G> {
 }
 
 impl<G: Geometry> BruteForce<G> {
-    /// Wraps the geometry; any geometry will do, an empty one too.
+    /// Wraps the geometry; any geometry will do, an empty one too. Looks at the box of each primitive, for [`Accel::bounds`].
     pub fn new(geometry: G) -> Self {
         let bounds = (0..geometry.len()).fold(Aabb::EMPTY, |b, prim| b.union(&geometry.bounds(prim)));
         Self { geometry, bounds }

@@ -1,8 +1,8 @@
 //! Which primitives equal an earlier one in every bit.
 //!
-//! Each primitive has a print of 31 bits. Prints are noted in a table of bits, sixteen or more for each; what finds its bit taken is
-//! looked at again, with all others whose print has the same bit: some percent, and the copies. Of these, sorted, those
-//! with equal prints are compared by [`Geometry::fingerprint`], which is the truth.
+//! Each primitive has a print of 31 bits. Prints are noted in a table of bits, sixteen or more for each; what finds its bit
+//! taken is looked at again, with all others whose print has the same bit: some percent, and the copies. Of these, sorted,
+//! those with equal prints are compared by [`Geometry::fingerprint`], which is the truth.
 //!
 //! **No input makes this slow.** Prints are a multilinear hash, `(k + sum of k_i w_i mod 2^64) / 2^32` with keys of 64 bits
 //! that are drawn afresh: two different lists of words have the same print with a chance of 2^-31, whatever they are (D. Lemire and

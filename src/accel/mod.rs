@@ -24,33 +24,53 @@ use std::sync::Arc;
 /// The first primitive along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Ray parameter, in units of the ray's direction: the exact value rounded to f32, `inf` beyond f32's range.
+    /// Ray parameter, in units of the ray's direction: the exact value rounded to f32, ties to even; `inf` or `-inf` beyond f32's
+    /// range. Within the ray's range; never a NaN.
     pub t: f32,
-    /// Index in the geometry.
+    /// Index in the geometry, below its [`len`](crate::Geometry::len).
     pub prim: u32,
 }
 
 /// Finds primitives along rays.
 ///
-/// Contract, checked for every registered accelerator: `t` lies in `[t_min, t_max]`; the least `t` wins, then the least
-/// `prim`; directions need not be unit; a ray that is not finite or has no direction hits nothing; no panic and no
-/// endless loop for any bits; [`Accel::any_hit`] is true exactly when [`Accel::closest_hit`] finds something.
+/// Contract, checked for every registered accelerator that promises [exact](crate::registry::Entry::exact) answers: `t`
+/// lies in `[t_min, t_max]`; the least `t` wins, then the least `prim`; directions need not be unit; a ray that is not
+/// finite or has no direction hits nothing; no panic and no endless loop for any bits; [`Accel::any_hit`] is true exactly
+/// when [`Accel::closest_hit`] finds something.
 ///
-/// Object-safe: choose at run time with `Box<dyn Accel>`, or statically with `A: Accel + ?Sized`.
+/// Object-safe: choose at run time with `Box<dyn Accel>`, or statically with `A: Accel + ?Sized`. `&A`, `Box<A>` and
+/// `Arc<A>` of any accelerator `A` are accelerators.
+///
+/// ```
+/// use glam::Vec3;
+/// use skipgrid::accel::{BruteForce, Counts};
+/// use skipgrid::{Accel, Hit, Ray, Sphere};
+///
+/// let balls = vec![Sphere { centre: Vec3::ZERO, radius: 1.0 }, Sphere { centre: Vec3::X * 4.0, radius: 1.0 }];
+/// let accel = BruteForce::new(&balls);
+/// let ray = Ray::new(Vec3::X * 9.0, Vec3::new(-2.0, 0.0, 0.0)); // t counts in twos
+/// assert_eq!(accel.closest_hit(&ray), Some(Hit { t: 2.0, prim: 1 }));
+/// assert!(!accel.any_hit(&ray.with_range(0.0, 1.5)));
+///
+/// let mut counts = Counts::default();
+/// accel.closest_hit_counted(&ray, &mut counts);
+/// assert_eq!((counts.rays, counts.tests), (1, 2));
+/// assert_eq!(accel.bounds().max, Vec3::new(5.0, 1.0, 1.0));
+/// ```
 pub trait Accel: Send + Sync {
-    /// The first primitive that the ray meets within its range.
+    /// The first primitive that the ray meets within its range, both ends included; `None` if it meets none.
     fn closest_hit(&self, ray: &Ray) -> Option<Hit>;
 
-    /// True if the ray meets any primitive within its range.
+    /// True if the ray meets any primitive within its range, both ends included. Mostly faster than the closest hit.
     fn any_hit(&self, ray: &Ray) -> bool;
 
-    /// As [`Accel::closest_hit`], and adds the work done. Accelerators that cannot count steps add only rays and tests.
+    /// As [`Accel::closest_hit`], and adds the work done to `counts`. Accelerators that cannot count steps add only rays and tests.
     fn closest_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit>;
 
-    /// As [`Accel::any_hit`], and adds the work done.
+    /// As [`Accel::any_hit`], and adds the work done to `counts`.
     fn any_hit_counted(&self, ray: &Ray, counts: &mut Counts) -> bool;
 
-    /// The least box around all primitives that can be hit; empty if there is none.
+    /// The least box around all primitives that can be hit, world units; [`Aabb::EMPTY`] if there is none.
     fn bounds(&self) -> Aabb;
 
     /// Bytes held beside the geometry itself.
@@ -90,7 +110,7 @@ macro_rules! queries_with_probe {
 }
 pub(crate) use queries_with_probe;
 
-/// Bytes that an accelerator holds beside the geometry, by purpose.
+/// Bytes that an accelerator holds beside the geometry, by purpose; what a rebuild keeps for the next one is not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Memory {
     /// Cells or nodes.

@@ -1,6 +1,6 @@
 //! Watching a walk at no cost when nobody watches.
 
-/// Watches a walk. Every method is empty by default; `()` watches nothing and costs nothing.
+/// Watches a walk. Every method is empty by default; `()` watches nothing and costs nothing, [`Counts`] counts all.
 pub trait Probe {
     /// Whether any method does anything. Watched walks need not be fast: they are compiled once for both queries.
     const WATCHES: bool = true;

@@ -1,14 +1,16 @@
 //! What accelerators cost: nanoseconds of one core for each primitive of a build, and for each ray.
 //!
-//! Fitted to `skipgrid bench` over its thirty scenes and to `skipgrid compare soup:n=..` and `random:n=..` with 1 to 200 primitives
-//! (docs/auto.md). Of a ray it takes the mean over camera, shadow and diffuse rays; `a + b n^c` is off by a factor of 1.3 to 1.5 on a single
-//! scene, and less between accelerators on the same scene. Ratios matter here, not the machine's speed.
+//! Fitted to `skipgrid bench` over its thirty scenes and to `skipgrid compare soup:n=..` and `random:n=..` with 1 to 200
+//! primitives (docs/auto.md). Of a ray it takes the mean over camera, shadow and diffuse rays; `a + b n^c` is off by a
+//! factor of 1.3 to 1.5 on a single scene, and less between accelerators on the same scene. Ratios matter here, not the
+//! machine's speed.
 
 use super::{Estimate, Kind, Look};
 
 /// From this many other primitives in a cell on, uniform grids are not considered.
 ///
-/// Ordinary scenes have 0.5 to 20; a dense object in a wide scene hundreds, where grids take ten to a hundred times as long as the best.
+/// Ordinary scenes have 0.5 to 20; a dense object in a wide scene hundreds, where grids take ten to a hundred times as long
+/// as the best.
 pub(super) const CROWDED: f64 = 50.0;
 
 /// An accelerator that may be chosen.
@@ -60,7 +62,8 @@ pub(super) const CANDIDATES: &[Candidate] = &[
     Candidate { spec: "obvhs-bvh2:preset=fastest", build: [3_000.0, 115.0], ray: [15.0, 19.0, 0.35], suits: simple },
     // No table: a voxel costs less than a look at its distance.
     Candidate { spec: "voxels", build: [5_000.0, 20.0], ray: [100.0, 13.0, 0.35], suits: voxels },
-    // Every test of such primitives is dear, as are those of patches, about 1500 ns here; boxes around single ones spare most of them.
+    // Every test of such primitives is dear, as are those of patches, about 1500 ns here; boxes around single ones spare
+    // most of them.
     Candidate { spec: "brute", build: [0.0, 0.0], ray: [0.0, 200.0, 1.0], suits: other },
     #[cfg(feature = "obvhs")]
     Candidate { spec: "obvhs-bvh2:preset=fastest", build: [3_000.0, 115.0], ray: [500.0, 300.0, 0.35], suits: other },

@@ -1,8 +1,8 @@
 //! Chooses an accelerator for a scene and a number of rays, and says what it leaves out and why.
 //!
-//! A structure is worth building if it saves more on the rays than it costs. So the choice is the least of estimated times, build and
-//! rays together: `costs` has the estimates, from measurements, and [`Look`] what they depend on. A wrong estimate costs time, never an
-//! answer: all that can be chosen gives the same bits.
+//! A structure is worth building if it saves more on the rays than it costs. So the choice is the least of estimated times,
+//! build and rays together: `costs` has the estimates, from measurements, and [`Look`] what they depend on. A wrong
+//! estimate costs time, never an answer: all that can be chosen gives the same bits.
 
 mod costs;
 mod look;
@@ -38,9 +38,9 @@ impl Estimate {
 pub struct Choice {
     /// What the scene is like.
     pub look: Look,
-    /// The number of rays that was reckoned with.
+    /// The number of rays that was reckoned with, as given.
     pub rays: f64,
-    /// All that could be chosen, the best first.
+    /// All that could be chosen, the best first; two at least.
     pub estimates: Vec<Estimate>,
 }
 
@@ -50,7 +50,7 @@ impl Choice {
         self.estimates[0].spec
     }
 
-    /// One sentence: the choice, the numbers that led to it, and the gain that is expected over the next.
+    /// One sentence for people: the choice, the numbers that led to it, and the gain that is expected over the next.
     pub fn reason(&self) -> String {
         let [best, next] = [&self.estimates[0], &self.estimates[1]];
         let Look { primitives, empty, .. } = self.look;
@@ -103,7 +103,26 @@ impl Choice {
     }
 }
 
-/// Chooses for `geometry` and a number of rays. Looks at some ten thousand primitives at most.
+/// Chooses for `geometry` and a number of rays, finite and from 0; [`USUAL_RAYS`] where nobody says. Looks at 16 384
+/// primitives at most.
+///
+/// This is what the name `auto` of [`registry::build`](crate::registry::build) does;
+/// [`registry::choose`](crate::registry::choose) says what it would. With a NaN or a number below 0 there is a choice too,
+/// but without meaning.
+///
+/// ```
+/// use glam::Vec3;
+/// use skipgrid::{auto, registry};
+///
+/// let row: Vec<_> = (0..5000).map(|i| [Vec3::ZERO, Vec3::Y, Vec3::Z].map(|p| p + Vec3::X * i as f32)).collect();
+/// let [few, many] = [1.0, 1e9].map(|rays| auto::choose(&row, rays));
+/// assert_eq!(few.spec(), "brute");
+/// assert!(many.estimates[0].trace < few.estimates[0].trace * 1e9);
+/// println!("{}", many.reason());
+/// let accel = registry::build(many.spec(), &row)?;
+/// # assert!(accel.bounds().max.x == 4999.0);
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
 pub fn choose<G: Geometry + ?Sized>(geometry: &G, rays: f64) -> Choice {
     let look = Look::at(geometry);
     let possible = CANDIDATES.iter().filter(|candidate| candidate.suits(&look));
@@ -129,13 +148,7 @@ mod tests {
     use glam::Vec3;
 
     fn soup(count: usize, size: f32) -> Vec<Triangle> {
-        let mut random = Random::new(5);
-        (0..count)
-            .map(|_| {
-                let p = random.in_cube();
-                [p, p + size * random.in_cube(), p + size * random.in_cube()]
-            })
-            .collect()
+        Random::new(5).soup(count, size)
     }
 
     #[test]

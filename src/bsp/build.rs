@@ -1,13 +1,12 @@
 //! Building a tree from the root down.
 
-use super::Bsp;
-use super::Interval;
 use super::frame::{Frame, SIZE};
 use super::nodes::{NIL, Node, Nodes, Planes};
 use super::options::{BspOptions, Choice};
 use super::reference::{Extent, Of, Reference, Sorter};
 use super::tree::{AnyPlane, AxisPlane};
 use super::walk::Partition;
+use super::{Bsp, Interval};
 use crate::accel::Candidates;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;

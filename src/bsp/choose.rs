@@ -15,7 +15,7 @@ const OBLIQUE: f64 = 2.0;
 /// A plane that cuts off empty space is worth this much more than the heuristic says (Hurley et al. 2002 use the same 20 %).
 const EMPTY: f64 = 0.8;
 
-/// Places that are tried along a direction, one less than this.
+/// The references' reach along a direction is cut into so many parts, and planes are tried where these begin and end.
 const BINS: usize = 24;
 
 /// Directions that are tried, of unit length: the axes, then the diagonals of two.

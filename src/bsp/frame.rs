@@ -41,11 +41,7 @@ impl Frame {
     /// The box is padded by 2^-10 of its largest extent, so that no primitive is near its faces, and by at least 2^-26 of
     /// the largest coordinate, so that rounding a world coordinate in f64 moves it by less than 2^-7.
     pub fn new(bounds: &Aabb) -> Self {
-        let bounds = if bounds.is_empty() { Aabb { min: glam::Vec3::ZERO, max: glam::Vec3::ZERO } } else { *bounds };
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let largest = min.abs().max(max.abs()).max_element();
-        // 1e-60: below any f32 distance, far above where the inverse would overflow.
-        let pad = ((max - min).max_element() / 1024.0).max(largest * 2.0_f64.powi(-26)).max(1e-60);
+        let ([min, max], pad) = (bounds.corners(), bounds.padding(2.0_f64.powi(-26)));
         let (lo, hi) = (min - pad, max + pad);
         let inverse = SIZE / (hi - lo).max_element();
         Self { lo, inverse, filled: ((hi - lo) * inverse).min(DVec3::splat(SIZE)) }

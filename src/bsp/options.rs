@@ -10,7 +10,8 @@ pub enum Choice {
     /// Cells are halved along x, y and z in turn: three levels are one of an octree.
     #[default]
     Midpoint,
-    /// Across the axis and at the place that promise the least cost by the surface area heuristic (MacDonald & Booth 1990).
+    /// Across the axis and at the place, one of 25 for each axis, that promise the least cost by the surface area heuristic
+    /// (MacDonald & Booth 1990).
     Sah,
     /// As that, from planes across the axes and across the diagonals of two of them.
     Oblique,
@@ -21,9 +22,9 @@ pub enum Choice {
 pub struct BspOptions {
     /// Where the planes lie.
     pub planes: Choice,
-    /// Lists of so many primitives are not split further, at least 1.
+    /// Lists of so many primitives or fewer are not split further; at least 1.
     pub leaf: u32,
-    /// Most levels below the root, up to [`BspOptions::MAX_DEPTH`]; `None`: by the number of primitives.
+    /// Most levels below the root, 0 to [`BspOptions::MAX_DEPTH`]; `None`: by the number of primitives.
     pub depth: Option<u32>,
     /// Bytes that the tree may take, its builder's lists included; one that needs more is refused.
     pub memory: u64,

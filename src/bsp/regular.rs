@@ -68,8 +68,9 @@ impl Regular {
         Ok(Self { levels: n.ilog2() })
     }
 
-    /// Walks along `ray`, which is in the coordinates of the unit cube, and calls `visit` for all that is met, until a leaf
-    /// for which it gives false. False if the ray starts too far away to be walked.
+    /// Walks along `ray`, which is in the coordinates of the unit cube, and calls `visit` for all that is met, in order, until a
+    /// leaf for which it gives false; what it gives for nodes does not matter. False if the ray starts too far away, some 10^15
+    /// cubes, to be walked; a ray that hits nothing by definition meets nothing.
     pub fn walk(&self, ray: &Ray, form: Form, visit: &mut impl FnMut(Met) -> bool) -> bool {
         let frame = Frame { lo: DVec3::ZERO, inverse: SIZE, filled: DVec3::splat(SIZE) };
         let Some(ray) = ray.intake() else { return true };

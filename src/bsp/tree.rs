@@ -1,4 +1,4 @@
-//! What walks need to know of a tree, and trees kept in memory.
+//! What walks need to know of a tree: its subtrees, its leaves, and the planes that part its cells.
 
 use super::frame::Line;
 use glam::DVec3;

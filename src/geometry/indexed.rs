@@ -8,7 +8,8 @@ use glam::Vec3;
 
 /// Triangles given by indices into a list of corners; answers as a list of [`Triangle`] would, with less memory.
 ///
-/// Owns its lists by default and borrows them as `IndexedTriangles<&[Vec3], &[[u32; 3]]>`.
+/// Owns its lists by default and borrows them as `IndexedTriangles<&[Vec3], &[[u32; 3]]>`. A triangle with a corner that is not
+/// finite is never hit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IndexedTriangles<P = Vec<Vec3>, T = Vec<[u32; 3]>> {
     positions: P,

@@ -5,7 +5,8 @@
 //! lies on the ray, on a plane or on a sphere is a matter of a few products of whole numbers ([`super::whole`]), where the
 //! order of two roots takes microseconds. What is not proved here is left to [`super::root`].
 
-use super::sphere::{Estimate, SpherePrep, roots};
+use super::estimate::Estimate;
+use super::sphere::{SpherePrep, roots};
 use super::whole::{bits, subtract, triple, whole};
 use super::{Best, Geometry, Sphere, Triangle};
 use crate::ray::Ray;

@@ -5,6 +5,7 @@
 
 pub mod bezier;
 mod decided;
+mod estimate;
 mod exact;
 pub(crate) mod expansion;
 mod face;
@@ -37,11 +38,54 @@ use std::sync::Arc;
 ///
 /// Slices and vectors of [`Triangle`] or [`Sphere`] are sets, and [`IndexedTriangles`], [`SolidVoxels`] and [`Mixed`]; so are `&G`,
 /// `Box<G>` and `Arc<G>` of any set `G`: an accelerator can borrow, own or share its primitives.
+///
+/// A primitive of one's own takes four methods. Indices handed to them are below [`Geometry::len`]; others may panic.
+///
+/// ```
+/// use glam::Vec3;
+/// use skipgrid::geometry::Best;
+/// use skipgrid::{Aabb, Geometry, Hit, Ray, registry};
+///
+/// /// Squares of edge 1 in planes of equal z, given by their least corners.
+/// struct Tiles(Vec<Vec3>);
+///
+/// impl Geometry for Tiles {
+///     type Prep = ();
+///
+///     fn len(&self) -> u32 {
+///         self.0.len() as u32
+///     }
+///
+///     fn bounds(&self, prim: u32) -> Aabb {
+///         let low = self.0[prim as usize];
+///         Aabb { min: low, max: low + Vec3::new(1.0, 1.0, 0.0) }
+///     }
+///
+///     fn prepare(&self, _: &Ray) {}
+///
+///     fn test(&self, prim: u32, ray: &Ray, (): &(), best: &mut Best) {
+///         let low = self.0[prim as usize].as_dvec3();
+///         // Infinite or a NaN if the ray does not move along z: no hit.
+///         let t = (low.z - f64::from(ray.origin.z)) / f64::from(ray.direction.z);
+///         let at = ray.at(t) - low;
+///         if (0.0..=1.0).contains(&at.x) && (0.0..=1.0).contains(&at.y) {
+///             best.offer(ray, t, prim);
+///         }
+///     }
+/// }
+///
+/// let tiles = Tiles((0..9).map(|i| Vec3::Z * i as f32).collect());
+/// let down = Ray::new(Vec3::new(0.5, 0.5, 4.5), Vec3::NEG_Z);
+/// for name in ["nested", "grid-octant", "bsp"] {
+///     assert_eq!(registry::build(name, &tiles)?.closest_hit(&down), Some(Hit { t: 0.5, prim: 4 }));
+/// }
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
 pub trait Geometry: Send + Sync {
     /// What the tests of one ray share, such as the watertight test's shear. `()` if nothing.
     type Prep;
 
-    /// Number of primitives.
+    /// Number of primitives, at most 2^32 - 2: the greatest index stands for none.
     fn len(&self) -> u32;
 
     /// True if there is no primitive.
@@ -49,14 +93,18 @@ pub trait Geometry: Send + Sync {
         self.len() == 0
     }
 
-    /// The least box around `prim`, or [`Aabb::EMPTY`] if no ray can hit it (a coordinate that is not finite, say).
+    /// The least box around `prim`, world units, or [`Aabb::EMPTY`] if no ray can hit it (a coordinate that is not finite, say).
+    ///
+    /// Accelerators look for hits within it alone, so it holds the points of all that [`Geometry::test`] finds; a larger box costs
+    /// time and loses nothing.
     fn bounds(&self, prim: u32) -> Aabb;
 
     /// Computes what all tests of `ray` share, for one [`Best`]. `ray` comes from [`Ray::intake`].
     fn prepare(&self, ray: &Ray) -> Self::Prep;
 
     /// Makes `prim` the winner if `ray` meets it within its range at a smaller parameter than `best`, or at the same
-    /// one with a smaller index. Testing a primitive twice changes nothing. `ray` comes from [`Ray::intake`].
+    /// one with a smaller index. Testing a primitive twice changes nothing. `ray` comes from [`Ray::intake`], `prep` from
+    /// [`Geometry::prepare`] for the same ray and `best`.
     ///
     /// The simplest implementation computes the parameter and calls [`Best::offer`].
     fn test(&self, prim: u32, ray: &Ray, prep: &Self::Prep, best: &mut Best);
@@ -66,23 +114,25 @@ pub trait Geometry: Send + Sync {
         self.test(prim, ray, prep, best);
     }
 
-    /// Where `ray` meets `prim`, which it certainly does, in its range and first there: a parameter and a bound on its error.
-    /// `None` if this is not known without a test. `ray` comes from [`Ray::intake`].
+    /// Where `ray` meets `prim`, which it certainly does, in its range and first there: a parameter and a bound on its error, at
+    /// least 0. `None` if this is not known without a test. `ray` comes from [`Ray::intake`].
     fn locate(&self, _prim: u32, _ray: &Ray) -> Option<(f64, f64)> {
         None
     }
 
-    /// The winner's parameter as f32, the same for every order of tests. `best` has a winner.
+    /// The winner's parameter as f32, the same for every order of tests. `best` is what tests of `ray` made of [`Best::NONE`], and
+    /// has a winner.
     fn round(&self, _ray: &Ray, best: &Best) -> f32 {
         best.t as f32
     }
 
-    /// False only if `prim` certainly has no point in the closed box `cell`.
+    /// False only if `prim` certainly has no point in the closed box `cell`, world units. By default that their boxes do not meet.
     fn overlaps(&self, prim: u32, cell: &Cell) -> bool {
         cell.meets(&self.bounds(prim))
     }
 
-    /// The corners if `prim` is a triangle; grids insert triangles by clipping instead of [`Geometry::overlaps`].
+    /// The corners if `prim` is a triangle, tested as those of a list are; grids insert triangles by clipping instead of
+    /// [`Geometry::overlaps`].
     fn triangle(&self, _prim: u32) -> Option<Triangle> {
         None
     }
@@ -98,10 +148,10 @@ pub trait Geometry: Send + Sync {
         None
     }
 
-    /// True if tests iterate, so that grids keep a [`Seed`] for each reference.
+    /// True if tests iterate, as those of [`BezierPatches`] do, so that grids keep a [`Seed`] for each reference.
     const ITERATES: bool = false;
 
-    /// Where tests in the closed box `cell` begin, and the part of `prim` that lies in it; `None` if nothing does.
+    /// Where tests in the closed box `cell`, world units, begin, and the part of `prim` that lies in it; `None` if nothing does.
     fn seed(&self, _prim: u32, _cell: &Cell) -> Option<Seed> {
         None
     }
@@ -112,7 +162,7 @@ pub trait Geometry: Send + Sync {
         self.test(prim, ray, prep, best);
     }
 
-    /// The sphere if `prim` is one.
+    /// The sphere if `prim` is one, tested as those of a list are.
     fn sphere(&self, _prim: u32) -> Option<Sphere> {
         None
     }
@@ -123,8 +173,8 @@ pub(crate) const NO_PRIM: u32 = u32::MAX;
 
 /// The winner of one ray so far: its parameter with an error bound, and its primitive.
 ///
-/// The true parameter lies in `t - err ..= t + err`. Sets that can compute exactly keep `err` above zero and decide
-/// overlaps themselves; all others use [`Best::offer`].
+/// The true parameter lies in `t - err ..= t + err`, in units of the ray's direction; neither is ever a NaN. Sets that can compute
+/// exactly keep `err` above zero and decide overlaps themselves; all others use [`Best::offer`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Best {
     t: f64,
@@ -166,7 +216,7 @@ impl Best {
         self.t + self.err
     }
 
-    /// Makes `prim` the winner at `t`, known within `err`, whatever the winner was.
+    /// Makes `prim` the winner at `t`, known within `err`, whatever the winner was. `t` is no NaN and `err` at least 0.
     #[inline]
     pub fn replace(&mut self, t: f64, err: f64, prim: u32) {
         *self = Best { t, err, prim };

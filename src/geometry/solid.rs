@@ -109,7 +109,10 @@ impl SolidVoxels {
         self.0.edge
     }
 
-    /// Positions of the planes of an axis, world units, ascending: one more than voxels.
+    /// Positions of the planes of an axis, 0 to 2, world units, ascending: one more than voxels.
+    ///
+    /// # Panics
+    /// There is no such axis.
     pub fn planes(&self, axis: usize) -> &[f32] {
         &self.0.planes[axis]
     }
@@ -120,6 +123,9 @@ impl SolidVoxels {
     }
 
     /// The byte of a voxel within the resolution; 0 if it is empty.
+    ///
+    /// # Panics
+    /// The voxel may lie beyond the resolution.
     pub fn material(&self, voxel: [u32; 3]) -> u8 {
         self.0.materials[self.0.index(voxel)]
     }
@@ -140,11 +146,17 @@ impl SolidVoxels {
     }
 
     /// The voxel and face that a primitive is half of.
+    ///
+    /// # Panics
+    /// There is no such primitive.
     pub fn face_of(&self, prim: u32) -> ([u32; 3], Face) {
         self.0.place(prim / 2)
     }
 
-    /// The first of the two primitives of a face; `None` if it is not exposed.
+    /// The first of the two primitives of a face of a voxel within the resolution; `None` if it is not exposed.
+    ///
+    /// # Panics
+    /// The voxel may lie beyond the resolution.
     pub fn prim_of(&self, voxel: [u32; 3], face: Face) -> Option<u32> {
         let Parts { faces, rows, .. } = &*self.0;
         let index = self.0.index(voxel);

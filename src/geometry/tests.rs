@@ -30,6 +30,14 @@ impl Random {
     pub fn within(&mut self, n: i128) -> i128 {
         i128::from(self.next()) % (2 * n + 1) - n
     }
+    /// Triangles about middles that are uniform in the cube, with corners no further away than `size` along an axis.
+    pub fn soup(&mut self, count: usize, size: f32) -> Vec<Triangle> {
+        let mut triangle = || {
+            let p = self.in_cube();
+            [p, p + size * self.in_cube(), p + size * self.in_cube()]
+        };
+        (0..count).map(|_| triangle()).collect()
+    }
     pub fn vector(&mut self, n: i128) -> V {
         [(); 3].map(|()| self.within(n))
     }

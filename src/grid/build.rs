@@ -22,7 +22,23 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
     /// Builds a grid over `geometry`. Primitives that no ray can hit are left out; an empty geometry is fine.
     ///
     /// # Errors
-    /// An option is out of range, or voxels and references would take more than `options.memory` bytes.
+    /// An option is out of range; voxels and references, or they and the seeds of primitives whose tests iterate, would
+    /// take more than `options.memory` bytes; or the system refuses the memory.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use skipgrid::grid::{Grid, GridOptions, skip};
+    /// use skipgrid::{Accel, Ray};
+    ///
+    /// let triangles = vec![[Vec3::ZERO, Vec3::X, Vec3::Y], [Vec3::X, Vec3::Y, Vec3::ONE * 9.0]];
+    /// let options = GridOptions { resolution: Some([16; 3]), ..GridOptions::default() };
+    /// let grid = Grid::build(&triangles, &options)?;
+    /// let leaping = grid.clone().with_skip::<skip::Octants>(&skip::SkipOptions::default())?;
+    /// let ray = Ray::new(Vec3::new(4.0, 0.0, 9.0), Vec3::new(0.0, 1.0, -1.5));
+    /// assert_eq!(grid.closest_hit(&ray).map(|hit| hit.prim), Some(1));
+    /// assert_eq!(leaping.closest_hit(&ray), grid.closest_hit(&ray));
+    /// # Ok::<(), skipgrid::Error>(())
+    /// ```
     pub fn build(geometry: G, options: &GridOptions) -> Result<Self> {
         options.check()?;
         let mut shop = Workshop::default();
@@ -43,9 +59,9 @@ impl<G: Geometry> Grid<G, NoSkip, Walk> {
     }
 
     /// Builds the grid anew, with the options that it was built with: as a fresh one, to the bit, in the memory of this
-    /// one. From the second time on, nothing large is allocated for as many primitives and references. For that the grid keeps what it
-    /// needs while it builds, some 50 bytes for each primitive, which [`Accel::memory`](crate::accel::Accel::memory)
-    /// does not count, as rays do not use it; [`Clone`] does.
+    /// one. From the second time on, nothing large is allocated for as many primitives and references. For that the grid
+    /// keeps what it needs while it builds, some 50 bytes for each primitive, which
+    /// [`Accel::memory`](crate::accel::Accel::memory) does not count, as rays do not use it; [`Clone`] does.
     ///
     /// # Errors
     /// As [`Grid::build`]. Then all primitives are in one voxel, and answers as always but slow.
@@ -122,7 +138,7 @@ impl<G: Geometry, W: VoxelWalk> Grid<G, NoSkip, W> {
     /// The same grid with the distances of method `M` in slots `T`.
     ///
     /// # Errors
-    /// An option is out of range, lists or distances would take more than the grid's budget of memory, or the lists are too
+    /// An option is out of range, lists and distances would take more than the grid's budget of memory, or the lists are too
     /// long for the slots: 2^31 entries for [`super::skip::One`], 2^28 for [`super::skip::Packed`].
     pub fn with_table<M: Method, T: Slot>(self, options: &SkipOptions) -> Result<Grid<G, Table<M, T>>> {
         let Self { geometry, frame, voxels: NoSkip(cells), seeds, bounds, mailbox, options: built, left_out, .. } =
@@ -246,12 +262,7 @@ mod tests {
     use crate::ray::Ray;
 
     fn soup(seed: u64, count: usize, size: f32) -> Vec<Triangle> {
-        let mut random = Random::new(seed);
-        let mut triangle = || {
-            let p = random.in_cube();
-            [p, p + size * random.in_cube(), p + size * random.in_cube()]
-        };
-        (0..count).map(|_| triangle()).collect()
+        Random::new(seed).soup(count, size)
     }
 
     #[test]

@@ -31,15 +31,11 @@ impl Frame {
     /// The box is padded by 2^-10 of its largest extent, so that flat scenes have a thickness and clipping cannot cut
     /// geometry off, and by at least 2^-33 of the largest coordinate, so that f64 can tell its faces apart.
     pub fn new(bounds: &Aabb, count: u32, options: &GridOptions) -> Self {
-        let bounds = if bounds.is_empty() { Aabb { min: glam::Vec3::ZERO, max: glam::Vec3::ZERO } } else { *bounds };
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let largest = min.abs().max(max.abs()).max_element();
-        // 1e-60: below any f32 distance, far above where the inverse would overflow.
-        let pad = ((max - min).max_element() / 1024.0).max(largest * 2.0_f64.powi(-33)).max(1e-60);
+        let ([min, max], pad) = (bounds.corners(), bounds.padding(2.0_f64.powi(-33)));
         let (lo, hi) = (min - pad, max + pad);
         let extent = hi - lo;
         // Voxels thinner than 2^-34 of the largest coordinate could not be told apart.
-        let thinnest = largest * 2.0_f64.powi(-34);
+        let thinnest = bounds.reach() * 2.0_f64.powi(-34);
         let resolution = options.resolution.unwrap_or_else(|| resolution(extent, count, options.density));
         let mut bounded = [1; 3];
         for axis in 0..3 {
@@ -79,6 +75,7 @@ impl Frame {
     /// The voxel of an index.
     pub fn coordinates(&self, index: usize) -> [u32; 3] {
         let [nx, ny, _] = self.resolution.map(|n| n as usize);
+        // Less than the resolution each.
         [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as u32)
     }
 

@@ -3,8 +3,8 @@
 //! J. Amanatides and A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987. Departures from the
 //! paper, each because of what it would otherwise get wrong:
 //!
-//! - `tMax` is recomputed from the voxel index at every step instead of being accumulated: with accumulation in f32, 86 %
-//!   of the rays through 1024 voxels an axis visit a wrong voxel.
+//! - `tMax` is recomputed from the voxel index at every step instead of being accumulated: with accumulation in f32,
+//!   three of four rays from corner to corner of 1024 voxels an axis visit a wrong voxel (`tests/suite/voxels/printed.rs`).
 //! - Voxels are closed and padded, so that a ray along a face, edge or corner meets the primitives on all its sides,
 //!   whichever voxel the tie rule of the walk prefers.
 //! - An axis along which the ray does not move never wins the comparison: its `tMax` is infinite, never 0/0.

@@ -7,9 +7,9 @@ use crate::error::{Error, Result};
 /// How to build a [`super::Grid`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridOptions {
-    /// Voxels for each primitive, above 0; ignored if `resolution` is given.
+    /// Voxels for each primitive, finite and above 0; ignored if `resolution` is given.
     pub density: f64,
-    /// Voxels along x, y and z, each 1 to [`GridOptions::MAX_RESOLUTION`].
+    /// Voxels along x, y and z, each 1 to [`GridOptions::MAX_RESOLUTION`]; fewer are made where f64 cannot tell so many apart.
     pub resolution: Option<[u32; 3]>,
     /// Remember for each ray which primitives it has met (the paper's rayID), so that none is tested twice. Pays for
     /// primitives that are large or costly to test; takes four bytes for each primitive and thread.

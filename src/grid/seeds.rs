@@ -60,7 +60,7 @@ impl Seeds {
         for prim in 0..geometry.len() {
             let begin = all.voxels.len();
             voxels_of(geometry, prim, frame, &mut |voxel| {
-                if let Some(seed) = geometry.seed(prim, &frame.cell(place(frame, voxel))) {
+                if let Some(seed) = geometry.seed(prim, &frame.cell(frame.coordinates(voxel))) {
                     // A grid has fewer than 2^32 voxels.
                     all.voxels.push(voxel as u32);
                     all.seeds.push(seed);
@@ -91,11 +91,4 @@ impl Seeds {
         (size_of_val(self.start.as_slice()) + size_of_val(self.voxels.as_slice()) + size_of_val(self.seeds.as_slice()))
             as u64
     }
-}
-
-/// The coordinates of the voxel with an index.
-fn place(frame: &Frame, index: usize) -> [u32; 3] {
-    let [nx, ny, _] = frame.resolution.map(|n| n as usize);
-    // Less than the resolution each.
-    [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as u32)
 }

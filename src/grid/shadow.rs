@@ -184,7 +184,7 @@ impl<G: Geometry> ShadowVoxels<G> {
 
     /// The largest coordinate of all primitives.
     fn reach(&self) -> f64 {
-        f64::from(self.grid.bounds.min.abs().max(self.grid.bounds.max.abs()).max_element())
+        self.grid.bounds.reach()
     }
 
     /// Whether light reaches a point on `prim` in a surely lit voxel from where `ray` starts: whether the proof holds for it.

@@ -145,7 +145,7 @@ pub struct VoxelVisit {
     pub voxel: [u32; 3],
     /// The ray's parameter where it enters the voxel, or starts in it.
     pub entry: f64,
-    /// The ray's parameter where it leaves the voxel, or ends in it.
+    /// The ray's parameter where it leaves the voxel, or ends in it; at least `entry`.
     pub exit: f64,
     /// The face of this voxel that the ray crosses at `entry`; `None` if it starts here.
     pub face: Option<Face>,

@@ -1,19 +1,21 @@
 //! Boxes around the packs of a leaf, in trees: eight are asked at once which of them a ray meets.
 //!
-//! A test of eight boxes takes half as long as that of one pack. So a leaf may hold thousands of primitives, and few of them are listed
-//! in more than one.
+//! A test of eight boxes takes half as long as that of one pack. So a leaf may hold thousands of primitives, and few of
+//! them are listed in more than one.
 //!
-//! After T. Ize, "Robust BVH ray traversal", JCGT 2 (2013), section 3: rounding moves the crossing of a plane by a factor, never across the
-//! ray's origin. Departs from it: both crossings are moved apart, so that the ray's end may be compared with them as well, and rays whose
-//! origin is not exact, or almost parallel to a plane, are widened by a distance.
+//! After T. Ize, "Robust BVH ray traversal", JCGT 2 (2013), section 3: rounding moves the crossing of a plane by a factor,
+//! never across the ray's origin. Departs from it: both crossings are moved apart, so that the ray's end may be compared
+//! with them as well, and rays whose origin is not exact, or almost parallel to a plane, are widened by a distance.
 //!
-//! **Why nothing is lost.** Boxes are exact, or rounded outwards; the plane of a box and the ray's origin are then exact ([`Sight`](super::sight::Sight)), their
-//! difference, the inverse of the direction and the product are each off by a factor of `1 + e` at most, and [`EARLY`] and [`LATE`] are
-//! further from 1 than all three. What is behind the origin stays behind it: a ray that leaves a flat surface does not meet the
-//! surface's box. Where the origin is off by the `fuzz`, both planes are moved apart by four times as much; where a component of
-//! the direction is below [`LEAST`] and was replaced by it, by more than that moves the ray within the box.
+//! **Why nothing is lost.** Boxes are exact, or rounded outwards; the plane of a box and the ray's origin are then exact
+//! ([`Sight`](super::sight::Sight)), their difference, the inverse of the direction and the product are each off by a
+//! factor of `1 + e` at most, and [`EARLY`] and [`LATE`] are further from 1 than all three. What is behind the origin stays
+//! behind it: a ray that leaves a flat surface does not meet the surface's box. Where the origin is off by the `fuzz`, both
+//! planes are moved apart by four times as much; where a component of the direction is below [`LEAST`] and was replaced by
+//! it, by more than that moves the ray within the box.
 //!
-//! A box holds what its primitives have in the cell, padded where the cell cuts them off, as walks come no nearer to a cell than that.
+//! A box holds what its primitives have in the cell, padded where the cell cuts them off, as walks come no nearer to a cell
+//! than that.
 
 use super::frame::LEAST;
 use super::lanes::{Lanes, Row, Vector};
@@ -37,7 +39,8 @@ pub(super) struct Boxes {
     pub inner: u32,
 }
 
-/// Crossings are moved by these factors: a product of three that are rounded is off by `3 e`, and these by `16 e` and their own rounding.
+/// Crossings are moved by these factors: a product of three that are rounded is off by `3 e`, and these by `16 e` and their
+/// own rounding.
 const EARLY: f32 = 1.0 - 8.0 * f32::EPSILON;
 const LATE: f32 = 1.0 + 8.0 * f32::EPSILON;
 

@@ -191,7 +191,7 @@ fn ends(lengths: impl Iterator<Item = usize>) -> impl Iterator<Item = usize> {
 #[cfg(test)]
 mod tests {
     use super::super::shape::AnyPart;
-    use super::super::{Below, Nested, NestedOptions, Quality};
+    use super::super::{Below, Nested, NestedOptions};
     use crate::accel::{Accel, BruteForce};
     use crate::geometry::tests::Random;
     use crate::geometry::{Geometry, Mixed, Sphere, Triangle};
@@ -222,6 +222,7 @@ mod tests {
     #[test]
     #[cfg(feature = "parallel")]
     fn threads_change_nothing() {
+        use super::super::Quality;
         let scene = scene(0.0);
         let of = |quality, below| NestedOptions { quality, below, ..NestedOptions::default() };
         for options in

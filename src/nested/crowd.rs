@@ -9,9 +9,9 @@ use super::sight::{Course, Sight};
 use super::simd::Work;
 use glam::DVec3;
 
-/// A corner that a ray passes through, without any rounding, and a primitive that it meets there, which was the winner. Other
-/// primitives with that corner are met there or are parallel to the ray: with greater indices, they never win, and with smaller ones
-/// they do if they are not parallel, as long as the winner is the one that was.
+/// A corner that a ray passes through, without any rounding, and a primitive that it meets there, which was the winner.
+/// Other primitives with that corner are met there or are parallel to the ray: with greater indices, they never win, and
+/// with smaller ones they do if they are not parallel, as long as the winner is the one that was.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Met {
     pub corner: [f32; 3],
@@ -20,15 +20,17 @@ pub(super) struct Met {
 
 /// The plane through a ray and a corner beside it.
 ///
-/// The ray meets a triangle with that corner only if the two others are on different sides of the plane, as in it the triangle has but
-/// the corner otherwise, and any other triangle only if its corners are. With `A` the corner, `o` the ray's origin and `d` its direction, the
-/// plane's normal is `n = (A - o) x d`, and `n . (q - A)` says on which side a corner `q` is. Its bound shrinks with the ray's distance from
-/// the corner, where that of a test from the ray's origin does not.
+/// The ray meets a triangle with that corner only if the two others are on different sides of the plane, as in it the
+/// triangle has but the corner otherwise, and any other triangle only if its corners are. With `A` the corner, `o` the
+/// ray's origin and `d` its direction, the plane's normal is `n = (A - o) x d`, and `n . (q - A)` says on which side a
+/// corner `q` is. Its bound shrinks with the ray's distance from the corner, where that of a test from the ray's origin
+/// does not.
 ///
-/// With `e = 2^-24`, `u = 2^-53`, `K` the greatest component of `A - o`, those of `d` being 1 at most, `N` that of `n` and `M` that of `q - A`: `n`
-/// is off by `2 u K` of the difference and `4 u K` of products and sums in f64, and by `e N` as f32; `q - A` by `e M`. So the product is off by
-/// `3 (e N M + e M N + 6 u K M)`, and by `8 e N M` for its products and sums: `14 e N M + 18 u K M`. [`Wall::slack`] is `16 e N + 32 u K`, more
-/// than that and its own rounding. What underflows is less than what triangles add for it.
+/// With `e = 2^-24`, `u = 2^-53`, `K` the greatest component of `A - o`, those of `d` being 1 at most, `N` that of `n` and
+/// `M` that of `q - A`: `n` is off by `2 u K` of the difference and `4 u K` of products and sums in f64, and by `e N` as
+/// f32; `q - A` by `e M`. So the product is off by `3 (e N M + e M N + 6 u K M)`, and by `8 e N M` for its products and
+/// sums: `14 e N M + 18 u K M`. [`Wall::slack`] is `16 e N + 32 u K`, more than that and its own rounding. What underflows
+/// is less than what triangles add for it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wall {
     pub corner: [f32; 3],
@@ -112,8 +114,8 @@ impl<K: Pack> Work for Crowd<'_, K> {
     }
 }
 
-/// Asks of a pack after a crowded one whether nothing of it is left, which takes less time than to look at it; if not, the ray is no longer
-/// in the crowd.
+/// Asks of a pack after a crowded one whether nothing of it is left, which takes less time than to look at it; if not, the
+/// ray is no longer in the crowd.
 pub(super) struct Aside<'a, K> {
     pub pack: &'a K,
     pub known: &'a mut Known,

@@ -198,8 +198,9 @@ impl<Src: Source> Cutter<'_, Src> {
 /// Leaves of more packs than this have boxes around them.
 const FEW: usize = 1;
 
-/// What a leaf of so many primitives costs, in packs: a group of boxes as much as half a pack, and of the packs behind them two fifths are
-/// tested. Too much for large leaves of a surface, so that more is cut than pays, but right for what overlaps.
+/// What a leaf of so many primitives costs, in packs: a group of boxes as much as half a pack, and of the packs behind them
+/// two fifths are tested. Too much for large leaves of a surface, so that more is cut than pays, but right for what
+/// overlaps.
 fn cost(primitives: usize) -> f32 {
     let packs = primitives.div_ceil(8);
     if packs <= FEW { packs as f32 } else { 0.5 * packs.div_ceil(8) as f32 + 0.4 * packs as f32 }

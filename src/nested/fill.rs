@@ -4,8 +4,8 @@
 //! cells, that only save the upper levels of a tree. Where they fill the box, cells are as good as boxes and cost less, and
 //! where they overlap besides, as slivers do, boxes hold next to everything: the more cells the better.
 //!
-//! Chosen by the time of rays through 26 scenes, out of 0.0002 to 0.6 cells for each primitive: within a factor of three of these numbers the
-//! mean changes by a few hundredths.
+//! Chosen by the time of rays through 26 scenes, out of 0.0002 to 0.6 cells for each primitive: within a factor of three of
+//! these numbers the mean changes by a few hundredths.
 
 use super::split::ENOUGH;
 use crate::ray::Aabb;
@@ -18,7 +18,8 @@ const OVERLAPPING: f64 = 0.07;
 
 /// Cells of the grid on top for each of the primitives `members` of a part. Boxes are by index.
 ///
-/// What counts is how their middles fill the box around these: where primitives are large, none has its middle near the part's faces.
+/// What counts is how their middles fill the box around these: where primitives are large, none has its middle near the
+/// part's faces.
 pub(super) fn density(boxes: &[Aabb], members: &[u32]) -> f64 {
     let each = members.len().div_ceil(ENOUGH).max(1);
     let seen = || members.iter().step_by(each).map(|&prim| &boxes[prim as usize]);

@@ -4,12 +4,12 @@
 //! the part's box is 1 to 2 long, and a unit of the parameter, a power of two times that of `t`, in which the direction's
 //! greatest component is 0.5 to 1: to change units rounds nothing.
 //!
-//! **The walk** sees the part from its middle, and the ray from where it enters the box, at `s = 0`. Numbers are at most 1 and
-//! `s` at most 4 within the box, so that f32 is as good for a dragon as for the stadium around it, and bounds are constants. With `e =
-//! 2^-24`, each coordinate of the origin is off by `6.5 e` (computed in f32 from up to [`SEEING`] away: `2 e` for the difference with the
-//! middle, `4 e` for a product with the direction, `0.5 e` for their sum; from further away in f64), and each
-//! component of the direction by [`LEAST`] in the place of smaller ones. So a point at `s` is off by less than `6.5 e + e < 8 e`
-//! along each axis.
+//! **The walk** sees the part from its middle, and the ray from where it enters the box, at `s = 0`. Numbers are at most 1
+//! and `s` at most 4 within the box, so that f32 is as good for a dragon as for the stadium around it, and bounds are
+//! constants. With `e = 2^-24`, each coordinate of the origin is off by `6.5 e` (computed in f32 from up to [`SEEING`]
+//! away: `2 e` for the difference with the middle, `4 e` for a product with the direction, `0.5 e` for their sum; from
+//! further away in f64), and each component of the direction by [`LEAST`] in the place of smaller ones. So a point at `s`
+//! is off by less than `6.5 e + e < 8 e` along each axis.
 //!
 //! **The packs** see the part from the world's origin ([`Sight`]): vertices are those given, to the bit, and so is the ray's
 //! origin if it is near. What a test subtracts from one another is then exact, and bounds shrink with the distance from the
@@ -83,12 +83,7 @@ impl Frame {
     /// thickness of 2^-7, so that cells have one. It is padded more on one side: things are often symmetric, and whatever lies in
     /// a plane of symmetry would otherwise lie in a plane between cells and be listed on both sides of it.
     pub fn new(bounds: &Aabb) -> Self {
-        let bounds = if bounds.is_empty() { Aabb { min: Vec3::ZERO, max: Vec3::ZERO } } else { *bounds };
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let largest = min.abs().max(max.abs()).max_element();
-        let extent = ((max - min) * 0.5).max_element();
-        // 1e-60: below any f32 distance, far above where the inverse would overflow.
-        let pad = (extent / 512.0).max(largest * 2.0_f64.powi(-26)).max(1e-60);
+        let ([min, max], pad) = (bounds.corners(), bounds.padding(2.0_f64.powi(-26)));
         let aside = DVec3::new(0.29, 0.37, 0.43) * pad;
         let middle = ((min + max) * 0.5 + aside).as_vec3();
         let centre = middle.as_dvec3();
@@ -217,7 +212,8 @@ impl Frame {
         Start::Inside(heading.entry(from + start * course, end - start, start, sight))
     }
 
-    /// A ray that enters the box at a `start` and leaves it at `leave`, known as in [`Frame::near`], and is not seen from its own origin.
+    /// A ray that enters the box at a `start` and leaves it at `leave`, known as in [`Frame::near`], and is not seen from
+    /// its own origin.
     ///
     /// The point at `start` is that of f64: it is off by `u NEAR`, with `u = 2^-53`, and by its rounding to f32.
     #[inline(never)]

@@ -14,17 +14,18 @@
 //!  +- part: the rest            another grid
 //! ```
 //!
-//! **A ray** (`walk`) is moved to where it enters the part. On top it steps and leaps as in [`crate::grid`]. At a leaf, eight boxes
-//! at a time say which packs and which groups of boxes are met: packs are tested at once, groups nearest first. In a node the crossings
-//! of all planes are found at once, and from them the mask of the cells that the ray
-//! crosses; what that has in common with the filled cells is visited from the lowest bit on, which, with the node seen along
-//! the ray's octant, is front to back. A pack rejects what is certainly missed; a
-//! hit that is certain and before all others is kept with its bounds; what is left open is judged in f64 from the pack, as is the
-//! parameter of the winner at the end, and what that leaves open goes to the geometry's own test. So the answers are those of every
-//! other accelerator, to the bit. Counted as steps are cells, nodes and groups of eight boxes.
+//! **A ray** (`walk`) is moved to where it enters the part. On top it steps and leaps as in [`crate::grid`]. At a leaf,
+//! eight boxes at a time say which packs and which groups of boxes are met: packs are tested at once, groups nearest first.
+//! In a node the crossings of all planes are found at once, and from them the mask of the cells that the ray crosses; what
+//! that has in common with the filled cells is visited from the lowest bit on, which, with the node seen along the ray's
+//! octant, is front to back. A pack rejects what is certainly missed; a hit that is certain and before all others is kept
+//! with its bounds; what is left open is judged in f64 from the pack, as is the parameter of the winner at the end, and
+//! what that leaves open goes to the geometry's own test. So the answers are those of every other accelerator, to the bit.
+//! Counted as steps are cells, nodes and groups of eight boxes.
 //!
-//! **What the cells are for.** Trees of boxes alone, one for each part, take longer, above all in large scenes; so do fine grids with
-//! small leaves where primitives lie on surfaces, and nodes (`density` and `below` of [`NestedOptions`]; docs/bench.md has numbers).
+//! **What the cells are for.** Trees of boxes alone, one for each part, take longer, above all in large scenes; so do fine
+//! grids with small leaves where primitives lie on surfaces, and nodes (`density` and `below` of [`NestedOptions`];
+//! docs/bench.md has numbers).
 //!
 //! **Why nothing is lost.** Cells tile the ray: each `s` from its begin to its end lies, by comparisons of the computed crossings
 //! alone, in the interval of some cell that is visited, or of an empty cube; crossings of one plane are computed
@@ -102,10 +103,10 @@ impl<G: Geometry> Nested<G> {
         Ok(Self { geometry, shape, isa, bounds, left_out, options: *options, shop: None })
     }
 
-    /// Builds the grid anew, with the options that it was built with: as a fresh one, to the bit, in the memory of this one.
-    /// From the second time on, nothing large is allocated for as many primitives in about as many cells. For that the grid keeps what it needs
-    /// while it builds, some 60 bytes for each primitive, which [`Accel::memory`] does not count, as rays do not use
-    /// it; [`Clone`] does.
+    /// Builds the grid anew, with the options that it was built with: as a fresh one, to the bit, in the memory of this
+    /// one. From the second time on, nothing large is allocated for as many primitives in about as many cells. For that the
+    /// grid keeps what it needs while it builds, some 60 bytes for each primitive, which [`Accel::memory`] does not count,
+    /// as rays do not use it; [`Clone`] does.
     ///
     /// # Errors
     /// It would take more than `options.memory` bytes. Then every ray tests all primitives: answers as always, but slow.
@@ -133,9 +134,9 @@ impl<G: Geometry> Nested<G> {
         result
     }
 
-    /// As [`Accel::closest_hit`], with the test of triangles as f32 has it, after Möller and Trumbore: for measuring what exact answers cost
-    /// (`cargo bench --bench nested_exactness`). Rays through edges may miss or hit twice, parameters are off by some roundings, and of
-    /// two that are as near either may win.
+    /// As [`Accel::closest_hit`], with the test of triangles as f32 has it, after Möller and Trumbore: for measuring what
+    /// exact answers cost (`cargo bench --bench nested_exactness`). Rays through edges may miss or hit twice, parameters
+    /// are off by some roundings, and of two that are as near either may win.
     #[must_use]
     pub fn closest_hit_rounded(&self, ray: &Ray) -> Option<Hit> {
         let ray = ray.intake()?;

@@ -42,8 +42,8 @@ pub enum Below {
     /// Trees of boxes, eight to a group; the grid on top is as fine as suits them.
     #[default]
     Boxes,
-    /// Nodes of 4 x 4 x 4 cells, where these are worth their time and memory, and boxes in their cells. Rays take longer on surfaces: see
-    /// docs/bench.md.
+    /// Nodes of 4 x 4 x 4 cells, where these are worth their time and memory, and boxes in their cells. Rays take longer on
+    /// surfaces: see docs/bench.md.
     Nodes,
 }
 
@@ -63,7 +63,8 @@ pub struct NestedOptions {
     pub instructions: Instructions,
     /// What is below the grid on top.
     pub below: Below,
-    /// Cells of the grid on top for each primitive, 0 for one in all; without it, it depends on how the primitives fill the box.
+    /// Cells of the grid on top for each primitive; 0, and whatever is below it or a NaN, for one in all, and no more than
+    /// 512 along an axis. `None`: by how the primitives fill the box.
     pub density: Option<f64>,
 }
 
@@ -106,8 +107,8 @@ impl Settings {
 
     /// For any kind of primitives.
     ///
-    /// The numbers of nodes were chosen by the time of rays through nine scenes, out of 0.005 to 0.4 cells for each primitive, nodes as dear
-    /// as 3 to 40 packs and 0.05 to 1 for growth.
+    /// The numbers of nodes were chosen by the time of rays through nine scenes, out of 0.005 to 0.4 cells for each
+    /// primitive, nodes as dear as 3 to 40 packs and 0.05 to 1 for growth.
     pub fn of(options: &NestedOptions) -> Self {
         let (halved, nodes) = match options.quality {
             Quality::Fast => (usize::MAX, Nodes { cost: 40.0, growth: 1.0 }),

@@ -17,8 +17,9 @@ pub(super) struct PackRay<S> {
     pub least: S,
     /// At or beyond it: what is met beyond this is in the ray's range for certain.
     pub begin: S,
-    /// The inverse squared length of the direction, and [`SpherePack::wider`]: for spheres alone.
+    /// The inverse squared length of the direction: this and the next two are for spheres alone.
     pub inverse_square: S,
+    /// [`SpherePack::wider`]: what is added to any radius at a first look, and to its square.
     pub wider: S,
     pub nearer: S,
     /// 0 if the ray has no part before its origin, else minus infinity.
@@ -175,8 +176,7 @@ impl Pack for List {
         for (i, &prim) in self.prims.iter().enumerate() {
             survivors |= u32::from(prim != NO_PRIM) << i;
         }
-        let zero = S::splat(0.0);
-        Seen { survivors, certain: zero.less(zero), p: zero, bound: zero }
+        Seen { survivors, ..Seen::nothing() }
     }
 
     #[inline(always)]

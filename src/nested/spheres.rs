@@ -7,29 +7,34 @@ use glam::{DVec3, Vec3};
 
 /// Eight spheres in the part's unit, from the world's origin: centre and radius exactly.
 ///
-/// With `c` the centre seen from the ray's origin and `d` the direction, the ray is nearest to the centre at `m = (c . d) / |d|^2`, at
-/// the distance `|g|`, `g = c - m d`, and meets the sphere half a chord, `sqrt((r^2 - g^2) / |d|^2)`, before and behind that.
+/// With `c` the centre seen from the ray's origin and `d` the direction, the ray is nearest to the centre at
+/// `m = (c . d) / |d|^2`, at the distance `|g|`, `g = c - m d`, and meets the sphere half a chord,
+/// `sqrt((r^2 - g^2) / |d|^2)`, before and behind that.
 ///
-/// With `e = 2^-24`, `K` the greatest component of `c` and `f` the [fuzz](PackRay::fuzz) of the origin: `c` is off by `e K + f` a component,
-/// `c . d` by `3 (e K + f) + 3 e K + 5 e K`, and `m`, the square of `d` being 1/4 at least and `|m|` at most `3.5 K`, by `q = 70 e K + 12 f`. That
-/// `g` is not at the nearest point adds `3 q^2` at most to its square; otherwise it is off by `1.74 (e K + f)` of `c` and `9.2 e K` of
-/// product and difference, in all less than `12 e K + 2 f`. So where the ray meets the sphere, `g^2 <= (r + 12 e K + 2 f)^2 + 3 q^2`, but for the
-/// rounding of these squares, `8 e` of themselves. `R` is the radius with that added: [`WIDER`], [`NEARER`].
+/// With `e = 2^-24`, `K` the greatest component of `c` and `f` the [fuzz](PackRay::fuzz) of the origin: `c` is off by
+/// `e K + f` a component, `c . d` by `3 (e K + f) + 3 e K + 5 e K`, and `m`, the square of `d` being 1/4 at least and `|m|`
+/// at most `3.5 K`, by `q = 70 e K + 12 f`. That `g` is not at the nearest point adds `3 q^2` at most to its square;
+/// otherwise it is off by `1.74 (e K + f)` of `c` and `9.2 e K` of product and difference, in all less than `12 e K + 2 f`.
+/// So where the ray meets the sphere, `g^2 <= (r + 12 e K + 2 f)^2 + 3 q^2`, but for the rounding of these squares, `8 e`
+/// of themselves. `R` is the radius with that added: [`WIDER`], [`NEARER`].
 ///
-/// Most spheres are far from the ray, so a first look asks less: `K` is below 5, as rays start within four halves of the part or in it, and radii
-/// are below 1. With that in the place of `K` and `r` only the radius itself is loaded; what is left is looked at as above.
+/// Most spheres are far from the ray, so a first look asks less: `K` is below 5, as rays start within four halves of the
+/// part or in it, and radii are below 1. With that in the place of `K` and `r` only the radius itself is loaded; what is
+/// left is looked at as above.
 ///
-/// What the inflation, the true line's place and rounding change of `R^2 - g^2` is below `4 R (12 e K + 2 f + 4 e R) + 8 e R^2 + 6 q^2`. Where `R^2 - g^2` is above
-/// a sixteenth of `R^2` and `R` above [`SMALL`] `K + 192 f`, half the chord is `R / 4` or longer, so it is off by four times that over `R`: less than `(192 e K + 32 f + 96 e R) +
-/// (130 e K + 30 f)`. With the rounding of `m` and of the sum, [`CHORD`] `(K + R)` and `96 f` bound the error of the hit's parameter; and the sphere
-/// itself is met, as what the inflation adds is far less than that sixteenth.
+/// What the inflation, the true line's place and rounding change of `R^2 - g^2` is below
+/// `4 R (12 e K + 2 f + 4 e R) + 8 e R^2 + 6 q^2`. Where `R^2 - g^2` is above a sixteenth of `R^2` and `R` above [`SMALL`]
+/// `K + 192 f`, half the chord is `R / 4` or longer, so it is off by four times that over `R`: less than
+/// `(192 e K + 32 f + 96 e R) + (130 e K + 30 f)`. With the rounding of `m` and of the sum, [`CHORD`] `(K + R)` and `96 f`
+/// bound the error of the hit's parameter; and the sphere itself is met, as what the inflation adds is far less than that
+/// sixteenth.
 ///
-/// A sphere whose surface is before the ray's origin and whose centre is behind it is missed by a ray that does not run backwards. That is
-/// asked by `c^2 - r^2`, off by `6 K (e K + f) + 3 f^2 + 11 e K^2` and `2 e r^2`, and by `c . d`: so a ray that starts on a sphere certainly does not
-/// meet it ([`OUTSIDE`]).
+/// A sphere whose surface is before the ray's origin and whose centre is behind it is missed by a ray that does not run
+/// backwards. That is asked by `c^2 - r^2`, off by `6 K (e K + f) + 3 f^2 + 11 e K^2` and `2 e r^2`, and by `c . d`: so a
+/// ray that starts on a sphere certainly does not meet it ([`OUTSIDE`]).
 ///
-/// What underflows in squares and products is less than [`TINY`], which is added to each of them; its square root, and what it changes of
-/// the chord of a sphere with a radius above [`SPECK`], are less than that.
+/// What underflows in squares and products is less than [`TINY`], which is added to each of them; its square root, and what
+/// it changes of the chord of a sphere with a radius above [`SPECK`], are less than that.
 ///
 /// A lane that holds none has a radius of minus infinity and is outside, its square being taken with its sign.
 #[derive(Clone, Copy, Debug)]

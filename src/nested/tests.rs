@@ -66,20 +66,11 @@ fn check<G: Geometry + Clone>(name: &str, geometry: &G, rays: &[Ray]) {
     }
 }
 
-fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
-    (0..count)
-        .map(|_| {
-            let p = random.in_cube();
-            [p, p + size * random.in_cube(), p + size * random.in_cube()]
-        })
-        .collect()
-}
-
 #[test]
 fn answers_as_brute_force_does() {
     let mut random = Random::new(3);
     for (count, size) in [(1, 1.0), (7, 0.5), (300, 0.3), (3000, 0.05), (2000, 0.6)] {
-        let triangles = soup(&mut random, count, size);
+        let triangles = random.soup(count, size);
         let targets: Vec<Vec3> = triangles.iter().flatten().copied().collect();
         let shots = rays(&mut random, 2000, &targets);
         check(&format!("{count} triangles of {size}"), &triangles, &shots);
@@ -95,9 +86,9 @@ fn answers_as_brute_force_does() {
 #[test]
 fn large_and_small_at_once() {
     let mut random = Random::new(5);
-    let mut triangles = soup(&mut random, 2000, 0.02);
-    triangles.extend(soup(&mut random, 20, 1.0).iter().map(|t| t.map(|p| p * 1e6)));
-    triangles.extend(soup(&mut random, 500, 0.02).iter().map(|t| t.map(|p| p * 10.0 + 1e4)));
+    let mut triangles = random.soup(2000, 0.02);
+    triangles.extend(random.soup(20, 1.0).iter().map(|t| t.map(|p| p * 1e6)));
+    triangles.extend(random.soup(500, 0.02).iter().map(|t| t.map(|p| p * 10.0 + 1e4)));
     let targets: Vec<Vec3> = triangles.iter().flatten().copied().collect();
     let shots = rays(&mut random, 3000, &targets);
     check("large and small", &triangles, &shots);
@@ -187,7 +178,7 @@ fn check_packs<K: Pack, G: Geometry>(random: &mut Random, geometry: &G, frame: &
 fn packs_reject_and_accept_only_what_is_certain() {
     let mut random = Random::new(11);
     for size in [1.0, 0.05, 1e-4] {
-        let triangles = soup(&mut random, 64, size);
+        let triangles = random.soup(64, size);
         let around = |bounds: &dyn Fn(u32) -> Aabb| (0..64).fold(Aabb::EMPTY, |all, i| all.union(&bounds(i)));
         let frame = Frame::new(&around(&|i| triangles.bounds(i)));
         let pack = |at: usize| {
@@ -337,7 +328,7 @@ fn primitives_are_in_all_cells_that_they_meet() {
     let (mut met, mut missed) = (0, 0);
     for i in 0..4000 {
         let size = [0.05, 0.5, 2.0][i % 3];
-        let corners = soup(&mut random, 1, size)[0].map(|p| (p * [1.0, 0.2][i % 2]).to_array());
+        let corners = random.soup(1, size)[0].map(|p| (p * [1.0, 0.2][i % 2]).to_array());
         let window = raster::Window::new([-0.25, -0.2, -0.15], [0.125, 0.1, 0.07]);
         let cells = window.triangle::<Portable>(&corners);
         let ball = window.sphere::<Portable>(&corners[0], size * 0.25);

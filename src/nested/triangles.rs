@@ -14,26 +14,30 @@ use glam::{DVec3, Vec3};
 
 /// Eight triangles in the part's unit, from the world's origin: their corners exactly.
 ///
-/// With `c` the first corner seen from the ray's origin, `e1` and `e2` the edges from it to the others, `d` the direction and `D = d .
-/// (e1 x e2)`, the ray meets the plane at `p = c . (e1 x e2) / D` in the point with the barycentric coordinates `U / D`, `V / D`
-/// and `W / D`, where `U = (c x d) . e2`, `V = -(c x d) . e1` and `W = D - U - V`. It meets the triangle if `U`, `V`, `W` have
-/// the same sign.
+/// With `c` the first corner seen from the ray's origin, `e1` and `e2` the edges from it to the others, `d` the direction
+/// and `D = d . (e1 x e2)`, the ray meets the plane at `p = c . (e1 x e2) / D` in the point with the barycentric
+/// coordinates `U / D`, `V / D` and `W / D`, where `U = (c x d) . e2`, `V = -(c x d) . e1` and `W = D - U - V`. It meets
+/// the triangle if `U`, `V`, `W` have the same sign.
 ///
-/// With `e = 2^-24`, `K` the greatest component of `c` and `L` of all edges, `f` the [fuzz](PackRay::fuzz) of the origin, components of
-/// `d` of at most 1, and every operation rounded:
+/// With `e = 2^-24`, `K` the greatest component of `c` and `L` of all edges, `f` the [fuzz](PackRay::fuzz) of the origin,
+/// components of `d` of at most 1, and every operation rounded:
 ///
 /// - `c` is off by `e K + f` a component, the edges by `e L`, `c x d` by `2 (e K + f) + 4 e K`, and is `2 K` at most.
-/// - `U` and `V`: `3 L (6 e K + 2 f)` of the cross product, `6 e K L` of the edge, `6 + 10` of products and sums: `40 e K L + 6 f L`.
+/// - `U` and `V`: `3 L (6 e K + 2 f)` of the cross product, `6 e K L` of the edge, `6 + 10` of products and sums:
+///   `40 e K L + 6 f L`.
 /// - `e1 x e2` is off by `8 e L^2`, `D` by three times that and `16 e L^2` of products and sums: `40 e L^2`.
 /// - `W`: the sum of these, and `12 e L^2 + 18 e K L` for two differences: `98 e K L + 52 e L^2 + 12 f L`.
-/// - `c . (e1 x e2)`: `24 e L^2 K` of the cross product, `6 L^2 (e K + f)` of `c`, `16 e L^2 K` of products and sums: `46 e L^2 K + 6 f L^2`.
+/// - `c . (e1 x e2)`: `24 e L^2 K` of the cross product, `6 L^2 (e K + f)` of `c`, `16 e L^2 K` of products and sums:
+///   `46 e L^2 K + 6 f L^2`.
 ///
-/// [`SIDE`] `(K + L) L + 14 f L` is more than the bounds of `U`, `V` and `W` by a fourteenth, which is far more than the terms of higher
-/// order. If two of them have opposite signs for certain, the ray misses; if all three have the same for certain, it hits.
+/// [`SIDE`] `(K + L) L + 14 f L` is more than the bounds of `U`, `V` and `W` by a fourteenth, which is far more than the
+/// terms of higher order. If two of them have opposite signs for certain, the ray misses; if all three have the same for
+/// certain, it hits.
 ///
-/// Where `|D|` is above eight times its bound, the quotient `p` is off by `8/7 (46 e L^2 K + 6 f L^2 + 40 e L^2 |p|) / |D|`, and by
-/// `3 e |p|` for the division and for adding the bound to it: with `|D| <= 6 L^2` that is less than another `18 e L^2 |p| / |D|`. Hence [`HEIGHT`], [`DEPTH`]
-/// and `7 f`; where `|D|` is less, the interval says nothing.
+/// Where `|D|` is above eight times its bound, the quotient `p` is off by
+/// `8/7 (46 e L^2 K + 6 f L^2 + 40 e L^2 |p|) / |D|`, and by `3 e |p|` for the division and for adding the bound to it:
+/// with `|D| <= 6 L^2` that is less than another `18 e L^2 |p| / |D|`. Hence [`HEIGHT`], [`DEPTH`] and `7 f`; where `|D|`
+/// is less, the interval says nothing.
 ///
 /// Numbers are below 2^28, so that nothing overflows, and [`TINY`] is more than what underflow takes away. A lane that holds no
 /// triangle has corners in one point and `L` minus infinity, which makes its bound minus infinity: it is always missed.

@@ -133,7 +133,7 @@ impl Oracle {
         Self::new(triangles.iter().copied().map(Primitive::Triangle).collect())
     }
 
-    /// What `ray` hits first; `None` if it hits nothing. Any bits have an answer.
+    /// What `ray` hits first within its range, both ends included; `None` if it hits nothing. Any bits have an answer.
     pub fn closest(&self, ray: &Ray) -> Option<Truth> {
         let line = Line::new(ray)?;
         let mut limit = f64::INFINITY;

@@ -1,7 +1,7 @@
 //! Spheres: bounds in f64, and the truth in whole numbers under a square root.
 //!
-//! With `f = o - c`, the ray's line meets the sphere at the roots of `a t^2 - 2 b t + |f|^2 - r^2` with `a = |d|^2` and `b = -f . d`,
-//! so at `t = (b -+ sqrt(D)) / a` with `D = b^2 - a (|f|^2 - r^2)`, which is `a r^2 - |f x d|^2`, too.
+//! With `f = o - c`, the ray's line meets the sphere at the roots of `a t^2 - 2 b t + |f|^2 - r^2` with `a = |d|^2` and
+//! `b = -f . d`, so at `t = (b -+ sqrt(D)) / a` with `D = b^2 - a (|f|^2 - r^2)`, which is `a r^2 - |f x d|^2`, too.
 
 use super::line::{Estimate, Line, U, size};
 use super::surd::Surd;

@@ -13,51 +13,34 @@ pub(super) trait Whole: Ord + Default {
     fn big(self) -> BigInt;
 }
 
-impl Whole for i128 {
-    fn scaled(x: f32, exponent: i32) -> Self {
-        let (mantissa, e) = parts(x);
-        if mantissa == 0 { 0 } else { i128::from(mantissa) << (e - exponent) }
-    }
+/// Both are written alike.
+macro_rules! whole {
+    ($($number:ty),*) => {$(
+        impl Whole for $number {
+            fn scaled(x: f32, exponent: i32) -> Self {
+                let (mantissa, e) = parts(x);
+                if mantissa == 0 { Self::default() } else { Self::from(mantissa) << (e - exponent) }
+            }
 
-    fn plus(&self, other: &Self) -> Self {
-        self + other
-    }
+            fn plus(&self, other: &Self) -> Self {
+                self + other
+            }
 
-    fn minus(&self, other: &Self) -> Self {
-        self - other
-    }
+            fn minus(&self, other: &Self) -> Self {
+                self - other
+            }
 
-    fn times(&self, other: &Self) -> Self {
-        self * other
-    }
+            fn times(&self, other: &Self) -> Self {
+                self * other
+            }
 
-    fn big(self) -> BigInt {
-        self.into()
-    }
+            fn big(self) -> BigInt {
+                self.into()
+            }
+        }
+    )*};
 }
-
-impl Whole for BigInt {
-    fn scaled(x: f32, exponent: i32) -> Self {
-        let (mantissa, e) = parts(x);
-        if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (e - exponent) }
-    }
-
-    fn plus(&self, other: &Self) -> Self {
-        self + other
-    }
-
-    fn minus(&self, other: &Self) -> Self {
-        self - other
-    }
-
-    fn times(&self, other: &Self) -> Self {
-        self * other
-    }
-
-    fn big(self) -> BigInt {
-        self
-    }
-}
+whole!(i128, BigInt);
 
 /// `x = mantissa * 2^exponent` with an odd mantissa below 2^24, or 0 and 0. `x` is finite.
 pub(super) fn parts(x: f32) -> (i32, i32) {

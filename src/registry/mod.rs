@@ -3,26 +3,25 @@
 mod auto;
 mod bsp;
 mod grid;
+mod nearest;
 mod nested;
+#[cfg(feature = "obvhs")]
+mod obvhs;
 mod peers;
 mod spec;
 mod variants;
 mod voxels;
 
-pub use peers::LEFT_OUT;
-pub use spec::Spec;
 #[cfg(feature = "scene")]
-pub(crate) use spec::did_you_mean;
+pub(crate) use nearest::did_you_mean;
+pub(crate) use spec::Spec;
 #[cfg(feature = "cli")]
 pub(crate) use spec::parse_bytes;
 pub use variants::{peers, variants, walks};
 
 use crate::accel::{Accel, BruteForce, PointShadows};
-#[cfg(feature = "obvhs")]
-use crate::adapters::obvhs::{self, Preset};
-use crate::adapters::soup::{Given, Soup};
 use crate::auto::Choice;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::grid::{GridOptions, ShadowVoxels};
 use glam::DVec3;
@@ -58,7 +57,7 @@ pub enum Needs {
 }
 
 impl Entry {
-    /// True if it can be built over `geometry`.
+    /// True if it can be built over `geometry`, of which it may look at every primitive.
     pub fn suits<G: Geometry + ?Sized>(&self, geometry: &G) -> bool {
         match self.needs {
             Needs::Any => true,
@@ -94,37 +93,14 @@ pub const ENTRIES: &[Entry] = &[
     grid::DSZ24,
     grid::CHESSBOARD,
     grid::OCTANT,
-    Entry {
-        name: "voxels",
-        summary: "solid voxels without lists: a hit is a crossing from empty to solid; for scenes of voxels alone",
-        options: "step=branching|branchless (branching), skip=none|clouds|dsz|dual|dsz24|chessboard|octant (none; with \
-                  step=branching), threshold=N (3), distances=linear|log2|half (linear), lane=N (16; of dual), memory=BYTES (a \
-                  quarter of the machine's, at most 8G)",
-        source: "after an article on branchless DDA voxel tracing; Amanatides & Woo 1987",
-        needs: Needs::SolidVoxels,
-        exact: true,
-    },
+    voxels::ENTRY,
     bsp::ENTRY,
     nested::ENTRY,
     auto::ENTRY,
     #[cfg(feature = "obvhs")]
-    Entry {
-        name: "obvhs-bvh2",
-        summary: "two-wide BVH of the crate obvhs",
-        options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
-        source: "obvhs 0.4: PLOC (Meister & Bittner 2018), reinsertion",
-        needs: Needs::Any,
-        exact: true,
-    },
+    obvhs::BVH2,
     #[cfg(feature = "obvhs")]
-    Entry {
-        name: "obvhs-cwbvh",
-        summary: "eight-wide compressed BVH of the crate obvhs",
-        options: "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)",
-        source: "obvhs 0.4: Ylitie et al. 2017 over PLOC",
-        needs: Needs::Any,
-        exact: true,
-    },
+    obvhs::CWBVH,
     #[cfg(feature = "obvhs")]
     peers::OBVHS_BVH2,
     #[cfg(feature = "obvhs")]
@@ -139,6 +115,26 @@ pub const ENTRIES: &[Entry] = &[
     peers::PARRY,
 ];
 
+/// Names of accelerators that are not compiled in, with the feature that brings each in.
+pub const LEFT_OUT: &[(&str, &str)] = &[
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-bvh2", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-cwbvh", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-native-bvh2", "obvhs"),
+    #[cfg(not(feature = "obvhs"))]
+    ("obvhs-native-cwbvh", "obvhs"),
+    #[cfg(not(feature = "embree"))]
+    ("embree", "embree"),
+    #[cfg(not(feature = "embree"))]
+    ("embree-robust", "embree"),
+    #[cfg(not(feature = "bvh"))]
+    ("bvh", "bvh"),
+    #[cfg(not(feature = "parry"))]
+    ("parry", "parry"),
+];
+
 /// Whether the accelerator that `spec` describes promises exact answers: no peer, and no leaps that land as printed. One that
 /// is not known counts as exact.
 pub fn promises_exact(spec: &str) -> bool {
@@ -148,6 +144,8 @@ pub fn promises_exact(spec: &str) -> bool {
 }
 
 /// Builds the accelerator that `spec` names over `geometry`, which it owns, borrows (`&G`) or shares (`Arc<G>`).
+///
+/// `spec` is a name of [`ENTRIES`], or a name and options: `name:key=value,key=value`. [`Entry::options`] says which there are.
 ///
 /// ```
 /// use skipgrid::{Accel, Hit, Ray, registry};
@@ -160,8 +158,10 @@ pub fn promises_exact(spec: &str) -> bool {
 /// ```
 ///
 /// # Errors
-/// The name or an option is unknown, a value is out of range, the accelerator [`Needs`] another geometry or a library that is
-/// [`Entry::missing`], or the structure would exceed its memory budget.
+/// [`Error::Spec`](crate::Error::Spec): the name or an option is unknown, a value is out of range, the accelerator
+/// [`Needs`] another geometry or a library that is [`Entry::missing`]. [`Error::TooLarge`](crate::Error::TooLarge): the
+/// structure would exceed its memory budget, or what another library can take. [`Error::Invalid`](crate::Error::Invalid):
+/// another library fails.
 pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Accel + 'a>> {
     let spec = Spec::parse(spec)?;
     Ok(match spec.name() {
@@ -181,39 +181,16 @@ pub fn build<'a, G: Geometry + 'a>(spec: &str, geometry: G) -> Result<Box<dyn Ac
             None => return Err(spec.error("needs a scene of solid voxels such as a .vox file")),
         },
         #[cfg(feature = "obvhs")]
-        "obvhs-bvh2" => {
-            let mut spec = spec;
-            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
-            spec.finish()?;
-            Box::new(obvhs::bvh2(geometry, preset))
-        }
-        #[cfg(feature = "obvhs")]
-        "obvhs-cwbvh" => {
-            let mut spec = spec;
-            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
-            spec.finish()?;
-            Box::new(obvhs::cwbvh(geometry, preset))
-        }
-        name if peers::has(name) => {
-            let given = if peers::takes_spheres(name) {
-                Given::of(&geometry)
-            } else {
-                Soup::of(&geometry).map(Given::Triangles)
-            };
-            let given = given.map_err(|error| match error {
-                Error::Invalid { cause } => spec.error(cause),
-                other => other,
-            })?;
-            peers::build(spec, given)?
-        }
+        "obvhs-bvh2" | "obvhs-cwbvh" => obvhs::build(spec, geometry)?,
+        name if peers::has(name) => peers::build(spec, &geometry)?,
         _ => return Err(spec.unknown_name(ENTRIES)),
     })
 }
 
-/// What `spec` stands for over `geometry`, and why, if it is `auto`; else `None`.
+/// What `spec` stands for over `geometry`, and why, if it is `auto`; else `None`, and nothing but the name is looked at.
 ///
 /// # Errors
-/// An option of `auto` is unknown or out of range.
+/// It is no specification (`name:key=value,key=value`), or an option of `auto` is unknown or out of range.
 pub fn choose<G: Geometry>(spec: &str, geometry: &G) -> Result<Option<(String, Choice)>> {
     let spec = Spec::parse(spec)?;
     if spec.name() == "auto" { auto::choose(spec, geometry).map(Some) } else { Ok(None) }

@@ -1,17 +1,20 @@
 //! Entries of accelerators with a triangle test of their own, here to be compared with.
 
+#[cfg(feature = "obvhs")]
+use super::obvhs::{OPTIONS, preset};
 use super::{Entry, Needs, Spec};
 use crate::accel::Accel;
 #[cfg(feature = "bvh")]
 use crate::adapters::bvh;
 #[cfg(feature = "embree")]
 use crate::adapters::embree::{self, Quality};
+#[cfg(feature = "obvhs")]
+use crate::adapters::obvhs_native;
 #[cfg(feature = "parry")]
 use crate::adapters::parry;
-use crate::adapters::soup::Given;
-#[cfg(feature = "obvhs")]
-use crate::adapters::{obvhs::Preset, obvhs_native};
-use crate::error::Result;
+use crate::adapters::soup::{Given, Soup};
+use crate::error::{Error, Result};
+use crate::geometry::Geometry;
 
 /// What all of these have in common.
 #[allow(dead_code, reason = "none may be compiled in")]
@@ -26,13 +29,10 @@ const fn round(entry: Entry) -> Entry {
 }
 
 #[cfg(feature = "obvhs")]
-const PRESETS: &str = "preset=fastest|very_fast|fast|medium|slow|very_slow (medium)";
-
-#[cfg(feature = "obvhs")]
 pub(super) const OBVHS_BVH2: Entry = round(peer(
     "obvhs-native-bvh2",
     "peer, not exact: two-wide BVH of the crate obvhs with its own triangle test, or a plain one of spheres",
-    PRESETS,
+    OPTIONS,
     "obvhs 0.4 as its authors intend",
 ));
 
@@ -40,7 +40,7 @@ pub(super) const OBVHS_BVH2: Entry = round(peer(
 pub(super) const OBVHS_CWBVH: Entry = round(peer(
     "obvhs-native-cwbvh",
     "peer, not exact: eight-wide compressed BVH of the crate obvhs with its own triangle test, or a plain one of spheres",
-    PRESETS,
+    OPTIONS,
     "obvhs 0.4 as its authors intend",
 ));
 
@@ -71,26 +71,6 @@ pub(super) const BVH: Entry =
 pub(super) const PARRY: Entry =
     peer("parry", "peer, not exact: triangle mesh of the crate parry3d with its own triangle test", "", "parry3d 0.31");
 
-/// Names of accelerators that are not compiled in, with the feature that brings each in.
-pub const LEFT_OUT: &[(&str, &str)] = &[
-    #[cfg(not(feature = "obvhs"))]
-    ("obvhs-bvh2", "obvhs"),
-    #[cfg(not(feature = "obvhs"))]
-    ("obvhs-cwbvh", "obvhs"),
-    #[cfg(not(feature = "obvhs"))]
-    ("obvhs-native-bvh2", "obvhs"),
-    #[cfg(not(feature = "obvhs"))]
-    ("obvhs-native-cwbvh", "obvhs"),
-    #[cfg(not(feature = "embree"))]
-    ("embree", "embree"),
-    #[cfg(not(feature = "embree"))]
-    ("embree-robust", "embree"),
-    #[cfg(not(feature = "bvh"))]
-    ("bvh", "bvh"),
-    #[cfg(not(feature = "parry"))]
-    ("parry", "parry"),
-];
-
 /// Why the accelerator `name` cannot be built on this machine, if so.
 pub(super) fn missing(name: &str) -> Option<String> {
     match name {
@@ -101,37 +81,42 @@ pub(super) fn missing(name: &str) -> Option<String> {
 }
 
 /// True if the accelerator `name` takes spheres alone as well as triangles alone.
-pub(super) fn takes_spheres(name: &str) -> bool {
+fn takes_spheres(name: &str) -> bool {
     super::ENTRIES.iter().any(|entry| entry.name == name && entry.needs == Needs::OneKind)
 }
 
-/// True if [`build`] knows the accelerator `name`.
+/// True if [`build`] knows the accelerator `name`: the entries of this file are those that are not exact.
 pub(super) fn has(name: &str) -> bool {
-    let native = cfg!(feature = "obvhs") && matches!(name, "obvhs-native-bvh2" | "obvhs-native-cwbvh");
-    let embree = cfg!(feature = "embree") && matches!(name, "embree" | "embree-robust");
-    native || embree || (cfg!(feature = "bvh") && name == "bvh") || (cfg!(feature = "parry") && name == "parry")
+    super::ENTRIES.iter().any(|entry| entry.name == name && !entry.exact)
 }
 
 /// What peers of triangles alone are given.
 #[cfg(any(feature = "bvh", feature = "parry"))]
-fn triangles(given: Given) -> crate::adapters::soup::Soup {
+fn triangles(given: Given) -> Soup {
     match given {
         Given::Triangles(soup) => soup,
         Given::Spheres(_) => unreachable!("spheres are given to others only"),
     }
 }
 
-/// Builds the peer that `spec` describes; spheres are given only to those that [`takes_spheres`] names. Not generic: peers
-/// copy the primitives.
+/// Builds the peer that `spec` describes over what it can take of `geometry`.
+pub(super) fn build<G: Geometry>(spec: Spec, geometry: &G) -> Result<Box<dyn Accel>> {
+    let given = if takes_spheres(spec.name()) { Given::of(geometry) } else { Soup::of(geometry).map(Given::Triangles) };
+    let given = given.map_err(|error| match error {
+        Error::Invalid { cause } => spec.error(cause),
+        other => other,
+    })?;
+    build_over(spec, given)
+}
+
+/// Spheres are given only to those that [`takes_spheres`] names. Not generic: peers copy the primitives.
 #[allow(unused_mut, unused_variables, reason = "not all peers have options, and none may be compiled in")]
-pub(super) fn build(mut spec: Spec, given: Given) -> Result<Box<dyn Accel>> {
+fn build_over(mut spec: Spec, given: Given) -> Result<Box<dyn Accel>> {
     match spec.name() {
         #[cfg(feature = "obvhs")]
         name @ ("obvhs-native-bvh2" | "obvhs-native-cwbvh") => {
             let make = if name == "obvhs-native-bvh2" { obvhs_native::bvh2 } else { obvhs_native::cwbvh };
-            let preset = spec.take_choice("preset", &Preset::NAMES)?.unwrap_or_default();
-            spec.finish()?;
-            make(given, preset)
+            make(given, preset(&mut spec)?)
         }
         #[cfg(feature = "embree")]
         name @ ("embree" | "embree-robust") => {

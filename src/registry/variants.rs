@@ -4,8 +4,8 @@ use super::{ENTRIES, Needs};
 
 const SKIPS: [&str; 6] = ["clouds", "dsz", "dual", "dsz24", "chessboard", "octant"];
 
-/// Every exact accelerator that can be built over any geometry, or over solid voxels if `solid`, and each of the options
-/// that change what is built or how it is walked.
+/// Every exact accelerator that can be built over any geometry, or over solid voxels too if `solid`, and each of the options
+/// that change what is built or how it is walked; each specification once.
 pub fn variants(solid: bool) -> Vec<String> {
     let mut specs = exact_entries(solid);
     let grids = ["density=0.05", "density=30", "resolution=1", "resolution=1x40x1", "resolution=64", "mailbox=on"];

@@ -1,7 +1,7 @@
-//! The walk over solid voxels from its specification.
+//! The entry `voxels`: how solid voxels are walked, and what is known of the space around them.
 
 use super::grid::skip_options;
-use super::{Spec, spec::parse_bytes};
+use super::{Entry, Needs, Spec, spec};
 use crate::accel::Accel;
 use crate::error::Result;
 use crate::geometry::SolidVoxels;
@@ -10,6 +10,17 @@ use crate::grid::skip::{
     ProximityClouds, SkipOptions,
 };
 use crate::grid::{Branchless, SolidGrid, SolidOptions};
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "voxels",
+    summary: "solid voxels without lists: a hit is a crossing from empty to solid; for scenes of voxels alone",
+    options: "step=branching|branchless (branching), skip=none|clouds|dsz|dual|dsz24|chessboard|octant (none; with \
+              step=branching), threshold=N (3), distances=linear|log2|half (linear), lane=N (16; of dual), memory=BYTES (a \
+              quarter of the machine's, at most 8G)",
+    source: "after an article on branchless DDA voxel tracing; Amanatides & Woo 1987",
+    needs: Needs::SolidVoxels,
+    exact: true,
+};
 
 /// Builds the walk that `spec`, of the accelerator `voxels`, describes.
 pub(super) fn build<'a>(mut spec: Spec, voxels: SolidVoxels) -> Result<Box<dyn Accel + 'a>> {
@@ -49,6 +60,6 @@ fn table<M: Method>(mut spec: Spec, voxels: SolidVoxels) -> Result<Box<dyn Accel
 }
 
 fn options(spec: &mut Spec) -> Result<SolidOptions> {
-    let memory = spec.take("memory", parse_bytes)?;
+    let memory = spec.take("memory", spec::parse_bytes)?;
     Ok(memory.map_or_else(SolidOptions::default, |memory| SolidOptions { memory }))
 }

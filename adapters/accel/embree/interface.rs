@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_int, c_void};
 use std::sync::OnceLock;
 
 /// Names the library to open instead of the system's.
-pub const VARIABLE: &str = "SKIPGRID_EMBREE";
+const VARIABLE: &str = "SKIPGRID_EMBREE";
 
 /// Under these names, the first that opens, unless [`VARIABLE`] is set.
 const NAMES: [&str; 8] = [
@@ -27,7 +27,8 @@ pub(super) type Device = *mut c_void;
 pub(super) type Geometry = *mut c_void;
 pub(super) type Handle = *mut c_void;
 
-// Constants of `rtcore_common.h`, `rtcore_buffer.h`, `rtcore_device.h`, `rtcore_geometry.h` and `rtcore_scene.h`, the same in 3 and 4.
+// Constants of `rtcore_common.h`, `rtcore_buffer.h`, `rtcore_device.h`, `rtcore_geometry.h` and `rtcore_scene.h`, the same
+// in 3 and 4.
 pub(super) const VERSION_MAJOR: c_int = 1;
 pub(super) const TRIANGLES: c_int = 0;
 pub(super) const SPHERES: c_int = 50;

@@ -178,7 +178,7 @@ impl BezierPatches {
         Self { watch: Some(watch), ..self }
     }
 
-    /// The control points of a patch.
+    /// The control points of a patch, world units. As all methods that take the index of a patch, panics if there is none.
     pub fn points(&self, prim: u32) -> &ControlPoints {
         &self.patches[prim as usize].points
     }
@@ -188,15 +188,16 @@ impl BezierPatches {
         size_of_val(self.patches.as_slice()) as u64
     }
 
-    /// The parameters (u, v) at which `ray` meets `prim` at `t`, within a unit in the last place of it; `None` if it does
-    /// not.
+    /// The parameters (u, v), each in 0..=1, at which `ray` meets `prim` at `t`, within a unit in the last place of it;
+    /// `None` if it does not, or `t` is a NaN.
     pub fn locate(&self, prim: u32, ray: &Ray, t: f32) -> Option<(f64, f64)> {
         let ray = ray.with_range(t.next_down(), t.next_up()).intake()?;
         let mut best = Best::NONE;
         self.search(prim, &ray, &Pencil::new(&ray), MIDDLE, &mut best)
     }
 
-    /// The point at (u, v) of `prim` and the derivatives along u and v.
+    /// The point at (u, v) of `prim` and the derivatives along u and v there, world units. Both parameters run from 0 to 1 over the
+    /// patch; beyond it the polynomials go on.
     pub fn evaluate(&self, prim: u32, u: f64, v: f64) -> [DVec3; 3] {
         let points = self.points(prim);
         let [x, y, z] =
@@ -221,8 +222,9 @@ impl BezierPatches {
         if nearby == DVec3::ZERO { here } else { nearby }
     }
 
-    /// Newton's method alone, without certainty, from `start` to a root of `prim` on the line of `ray`: the root, on the
-    /// patch or not, and the number of iterations. The classical test that seeds are judged by.
+    /// Newton's method alone, without certainty, from `start`, a pair (u, v), to a root of `prim` on the line of `ray`: the
+    /// root, on the patch or not, `None` if it does not converge or the ray hits nothing by definition; and the number of
+    /// iterations. The classical test that seeds are judged by.
     pub fn newton(&self, prim: u32, ray: &Ray, start: (f64, f64)) -> (Option<(f64, f64)>, u32) {
         let Some(ray) = ray.intake() else { return (None, 0) };
         let run = search::newton(&Pencil::new(&ray).nets(&self.patches[prim as usize]), start);

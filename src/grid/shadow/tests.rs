@@ -133,12 +133,7 @@ fn spheres_shade_spheres() {
 #[test]
 fn soups_needles_and_bad_corners_do_no_harm() {
     let mut random = Random::new(53);
-    let mut triangles: Vec<Triangle> = (0..300)
-        .map(|_| {
-            let p = random.in_cube();
-            [p, p + 0.4 * random.in_cube(), p + 0.4 * random.in_cube()]
-        })
-        .collect();
+    let mut triangles = random.soup(300, 0.4);
     for i in (0..300).step_by(5) {
         let [a, b, _] = triangles[i];
         triangles[i][2] = [a, a + 0.5 * (b - a), Vec3::NAN, b + Vec3::splat(1e-6)][i / 5 % 4];

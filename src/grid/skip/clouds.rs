@@ -3,11 +3,16 @@
 //! D. Cohen and Z. Sheffer, "Proximity Clouds: An Acceleration Technique for 3D Grid Traversal", 1994; Semwal & Kvarnstrom
 //! 1997 §3: each empty voxel knows the city-block distance D to the nearest filled one, and the ray skips ahead by D - 1.
 //!
-//! Region: the ball of city-block radius D around the voxel holds no filled voxel, by the definition of D.
+//! Region: the ball of city-block radius D around the voxel holds no filled voxel, by the definition of D. Every voxel that the
+//! ray meets later is this one and some crossings, each a step away from it, so those fewer than D crossings ahead are empty. The
+//! ray leaves the ball on a plane, wherever in the voxel it is: [`Diamond`] has the parameter.
 //!
-//! Departs from both: the leap ends on the plane where the ray leaves that ball ([`Diamond`]) instead of D - 1 units on,
-//! which is right on paper in two dimensions from a voxel's centre only; and it is taken wherever it passes the next
-//! crossing, not from D = 5 on. The two mask passes of the distance transform are six sweeps (`distance.rs`).
+//! Departs from both: the leap ends on that plane instead of D - 1 units on. The printed landing passes no filled voxel in the
+//! plane, where the ray lands on the first one at worst, nor from a voxel's centre; from elsewhere in space it may
+//! ([`super::printed`]). A leap is taken wherever it passes the next crossing, not from D = 5 on. The two mask passes of the
+//! distance transform are six sweeps (`distance.rs`).
+//!
+//! Page with a picture, the smallest example and what it brings: `docs/methods/proximity-clouds.md`.
 
 use super::distance::city_block;
 use super::printed::PrintedRule;

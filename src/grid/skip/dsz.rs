@@ -14,7 +14,10 @@
 //! The preprocessing is the paper's eight corner scans (§4.1): the scan of octant o gives Q_o, the distance within that
 //! octant, and D_f(v) = 1 + the least Q_o(v + f) of the four octants that contain f.
 //!
-//! Departs from the paper: the landing, as for [`super::ProximityClouds`]. D - 1 is wrong for up to 10 % of the rays.
+//! Departs from the paper: the landing, as for [`super::ProximityClouds`]; the scans share sweeps, 2 + 4 + 8 instead of 24
+//! (`distance.rs`).
+//!
+//! Page with a picture, how often D - 1 is wrong and what it brings: `docs/methods/directed-safe-zones.md`.
 
 use super::distance::{FAR, city_block_octants, least};
 use super::printed::PrintedRule;

@@ -1,11 +1,18 @@
 //! Directed safe zones with 24 values: one for each face and each quarter of the directions that leave through it.
 //!
 //! Semwal & Kvarnstrom 1997 §10 announce "four values per wall" as future work. The value of face f and octant o is
-//! D_fo(v) = 1 + Q_o(v + f), where Q_o is the city-block distance to the nearest filled voxel within octant o: after leaving
-//! through f a ray of octant o meets voxels of that octant of v + f only, and those nearer than Q_o are empty. So the 24
-//! values of a voxel are read off the eight values of its neighbours, and eight bytes a voxel are enough.
+//! D_fo(v) = 1 + Q_o(v + f), where Q_o is the city-block distance to the nearest filled voxel within the closed octant o. So the
+//! 24 values of a voxel are read off the eight values of its neighbours, and eight bytes a voxel are enough.
 //!
-//! D_fo is at least D_f of [`super::DirectedSafeZones`], which is the least of the four. Landing by [`Diamond`].
+//! Region: after leaving v through f, a ray of octant o meets voxels of that octant of v + f only, because it moves one way along
+//! each axis, and those nearer to v + f than Q_o(v + f) are empty. From v they are one crossing further, so every voxel fewer than
+//! D_fo crossings ahead is empty: [`Diamond`] with D_fo is safe. D_fo is at least D_f of [`super::DirectedSafeZones`], which is the
+//! least of the four.
+//!
+//! Departs from the paper: eight values are kept in the place of 24, and the ray looks at the neighbour's instead of its own; the
+//! landing, as for [`super::ProximityClouds`].
+//!
+//! Page with a picture and what it brings: `docs/methods/dsz24.md`.
 
 use super::distance::city_block_octants;
 use super::region::{Diamond, corner};

@@ -12,6 +12,8 @@
 //! Departs from the paper: the landing, as for [`super::ProximityClouds`]; the width of the lanes is limited
 //! ([`SkipOptions::lane`]), any lesser D being as true; and the preprocessing, "many times" that of the clouds in the paper,
 //! widens all lanes of the grid by one voxel at a time instead of looking at D² voxels for each voxel and face.
+//!
+//! Page with a picture and what it brings: `docs/methods/dual-extents.md`.
 
 use super::distance::{city_block, run, widen};
 use super::printed::PrintedRule;

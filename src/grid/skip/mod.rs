@@ -5,6 +5,9 @@
 //! The walk goes there at once. One promise, one test for all methods: from the voxel
 //! where the ray is up to that parameter it meets empty voxels only.
 //!
+//! A method is a file that stands for itself: the source, why the region is empty, where it departs from the print. Each has a page
+//! with a picture in `docs/methods`.
+//!
 //! The sources land elsewhere: they carry the ray D - 1 city-block units forwards from where it is, and only if D is at least
 //! 5. In three dimensions that passes filled voxels ([`printed`]). A ray that has gone the distance f, 0 <= f < 1, into its
 //! voxel along each axis reaches voxels up to floor(f_x + S_x) + floor(f_y + S_y) + floor(f_z + S_z) away after a city-block
@@ -42,7 +45,7 @@ use super::walk::Walk;
 use crate::accel::Memory;
 use crate::parallel;
 
-/// What a walk finds in a voxel.
+/// What a walk finds in a voxel. Parameters are the ray's own.
 pub enum Look<'a> {
     /// Primitives to test, possibly none; the walk goes on with a step.
     List(&'a [u32]),
@@ -53,7 +56,8 @@ pub enum Look<'a> {
     Near,
 }
 
-/// A grid's voxels as a walk `W` meets them: lists, and how far it may go over empty ones.
+/// A grid's voxels as a walk `W` meets them: lists, and how far it may go over empty ones. [`NoSkip`] and [`Table`] are
+/// what there is; it names types of this module alone, so that no others can be.
 pub trait Skip<W> {
     /// What is computed once for each ray.
     type Ray;
@@ -67,7 +71,7 @@ pub trait Skip<W> {
 
 /// What is known of a grid's voxels apart from any walk.
 pub trait Voxels: Send + Sync {
-    /// Bytes, by purpose.
+    /// Bytes of voxels, references and distances.
     fn memory(&self) -> Memory;
 
     /// Number of voxels without a primitive.
@@ -80,7 +84,8 @@ pub trait Voxels: Send + Sync {
     fn describe(&self) -> String;
 }
 
-/// A way to know empty regions from a few distances for each voxel.
+/// A way to know empty regions from a few distances for each voxel. Those of this module are all there are: it names types
+/// that are not public. Which one a grid has is a type parameter, so that the loop over voxels has no choice in it.
 pub trait Method: Send + Sync + 'static {
     /// Bytes of a voxel with linear distances.
     type Slot: Slot;

@@ -1,7 +1,17 @@
 //! Chessboard distances for each octant of directions: the modern directed rival at eight bytes.
 //!
-//! Chessboard distances after Sramek & Kaufman 2000, made directional as in Es & Isler 2007 and Deakin & Knackstedt 2020 but
-//! with one extent for each octant: the cube of C voxels ahead of the voxel, along the ray's sense of each axis, is empty.
+//! Chessboard distances after Sramek & Kaufman 2000, made directional as in Es & Isler 2007 and Deakin & Knackstedt 2020:
+//! each empty voxel knows for each octant o of directions the chessboard distance C_o to the nearest filled voxel within
+//! the closed octant.
+//!
+//! Region: the box of C_o voxels along each axis that begins with the voxel and reaches along the octant holds no filled voxel,
+//! by the definition of C_o. A ray of octant o moves one way along each axis, so it meets voxels of the closed octant only, and
+//! is in the box until it crosses one of its three far planes ([`super::region`]). What lies behind the ray, or to the side that it
+//! moves away from, does not shorten the leap. An axis along which it does not move counts as forwards and bounds nothing.
+//!
+//! Departs from both: one extent for each octant, a cube and not a box of three extents, so that eight bytes are enough.
+//!
+//! Page with a picture and what it brings: `docs/methods/octants.md`.
 
 use super::distance::chebyshev_octants;
 use super::region::box_end;

@@ -22,7 +22,8 @@ pub struct SkipOptions {
     /// The least distance worth a leap, 1 to 255; lesser ones count as 1, which is a step. The paper's is 5, which also hides
     /// part of what its landing rule gets wrong; here it is a matter of cost alone: a leap costs about four steps.
     pub threshold: u8,
-    /// Half width of the lanes of dual extents, 1 to 255 voxels: their preprocessing grows with it.
+    /// Half width of the lanes of dual extents, 1 to 255 voxels: their preprocessing grows with it. Other methods do not
+    /// look at it.
     pub lane: u8,
 }
 

@@ -1,9 +1,13 @@
 //! The landing rule as printed, to show what it gets wrong.
 //!
-//! Semwal & Kvarnstrom 1997 §3 to §5 carry the ray D - 1 city-block units on from where it is. Their argument, that a ray
-//! from the centre of a voxel crosses at most as many faces as it has gone units, holds in the plane; in space, and off the
-//! centre, a length of S may cross S + 2 faces. So the ray can land behind a filled voxel. That they leap from D = 5 on only
-//! hides most of it.
+//! Semwal & Kvarnstrom 1997 §3 to §5 carry the ray D - 1 city-block units on from where it is. A ray that has gone the part
+//! f_i of its voxel along axis i, F in all, crosses up to floor(F + S) faces in a length of S. In the plane F is less than
+//! 2, and from a voxel's centre it is 3/2 at most: at most D faces are crossed, and the ray lands on the first filled voxel
+//! at worst. In space F may be nearly 3: D + 1 faces, and the ray lands behind a filled voxel. That they leap from D = 5 on
+//! only hides most of it.
+//!
+//! The smallest example stands in `docs/methods/proximity-clouds.md`; `the_printed_landing_loses_voxels` demands that there
+//! be some.
 
 use super::table::Table;
 use super::{Distances, Look, Method, NoSkip, Skip, SkipOptions, Slot};

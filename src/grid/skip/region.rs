@@ -1,4 +1,4 @@
-//! Where a ray leaves a city-block ball.
+//! Where a ray leaves the region that is known to be empty: a city-block ball, or a box of voxels.
 
 use crate::grid::walk::Walk;
 use crate::ray::lesser;
@@ -21,7 +21,7 @@ pub struct Diamond {
 impl Diamond {
     /// Over the given axes. Those along which the ray does not move drop out.
     #[inline(always)]
-    pub fn new(walk: &Walk, axes: &[usize]) -> Self {
+    pub(super) fn new(walk: &Walk, axes: &[usize]) -> Self {
         let (mut length, mut origin) = (0.0, 0.0);
         for &axis in axes {
             if walk.speed[axis] > 0.0 {
@@ -34,33 +34,33 @@ impl Diamond {
 
     /// One over the city-block length for each unit of `t`; infinite if the ray does not move along these axes.
     #[inline(always)]
-    pub fn inverse(&self) -> f64 {
+    pub(super) fn inverse(&self) -> f64 {
         self.inverse
     }
 
     /// Where the ray leaves the ball of radius `distance` around the voxel whose coordinates along these axes sum to
     /// `corner`; infinite if it does not move along them.
     #[inline(always)]
-    pub fn end(&self, distance: u32, corner: f64) -> f64 {
+    pub(super) fn end(&self, distance: u32, corner: f64) -> f64 {
         (f64::from(distance) + corner - self.origin) * self.inverse
     }
 }
 
 /// The coordinate of the walk's voxel along an axis; 0 if the ray does not move along it.
 #[inline(always)]
-pub fn coordinate(walk: &Walk, axis: usize) -> f64 {
+pub(super) fn coordinate(walk: &Walk, axis: usize) -> f64 {
     walk.plane[axis] - 1.0
 }
 
 /// Their sum over all axes.
 #[inline(always)]
-pub fn corner(walk: &Walk) -> f64 {
+pub(super) fn corner(walk: &Walk) -> f64 {
     walk.plane[0] + walk.plane[1] + walk.plane[2] - 3.0
 }
 
 /// Where the ray leaves the box of `distance` voxels along each axis whose first corner is the walk's voxel.
 #[inline(always)]
-pub fn box_end(walk: &Walk, distance: u32) -> f64 {
+pub(super) fn box_end(walk: &Walk, distance: u32) -> f64 {
     let beyond = f64::from(distance) - 1.0;
     let end = |axis: usize| (walk.plane[axis] + beyond - walk.origin[axis]) * walk.inverse[axis];
     lesser(lesser(end(0), end(1)), end(2))

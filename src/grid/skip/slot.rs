@@ -21,7 +21,7 @@ pub trait Slot: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// The place of the list if the voxel is filled.
     fn place(self) -> Option<usize>;
 
-    /// A distance of an empty voxel.
+    /// A distance of an empty voxel, 1 to 255, by its place among those of the method; meaningless in a filled voxel.
     fn distance(self, field: usize) -> u32;
 }
 

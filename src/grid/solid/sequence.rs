@@ -38,7 +38,7 @@ impl SolidSequence {
     /// The voxels and the grid over their box.
     ///
     /// # Errors
-    /// As [`VoxelGrid::new`].
+    /// As [`VoxelGrid::new`]; solid voxels, whose planes are apart, give no cause.
     pub fn new(voxels: &SolidVoxels) -> Result<Self> {
         let mut bounds = Aabb { min: voxels.origin(), max: voxels.origin() };
         for axis in 0..3 {
@@ -49,12 +49,13 @@ impl SolidSequence {
         Ok(Self { voxels: voxels.clone(), grid: VoxelGrid::new(bounds, voxels.resolution())? })
     }
 
-    /// Every solid voxel on the way, with the parameters of entry and exit and the face of entry.
+    /// Every solid voxel on the way, in order, with the parameters of entry and exit and the face of entry. Nothing for a ray that
+    /// [`Ray::intake`] refuses.
     pub fn crossings(&self, ray: &Ray) -> impl Iterator<Item = VoxelVisit> + '_ {
         self.grid.voxels(ray).filter(|visit| self.voxels.material(visit.voxel) != 0)
     }
 
-    /// The first one: `face` is `None` and `entry` the ray's start if it starts there.
+    /// The first one, `None` if there is none: `face` is `None` and `entry` the ray's start if it starts there.
     pub fn first_solid(&self, ray: &Ray) -> Option<VoxelVisit> {
         self.crossings(ray).next()
     }

@@ -16,8 +16,8 @@ const EASE: f64 = 1.0 / (1 << 23) as f64;
 const CLOSE: f64 = 1.0 / (1 << 30) as f64;
 
 impl<'a, S: Lanes, K: Pack, P: Probe, const EXACT: bool> Trace<'a, S, K, P, EXACT> {
-    /// The packs of a cell that the ray leaves at `far`: one, or those that the ray meets of trees, packs before groups and nearer groups
-    /// before others.
+    /// The packs of a cell that the ray leaves at `far`: one, or those that the ray meets of trees, packs before groups and
+    /// nearer groups before others.
     #[inline(always)]
     pub(super) fn test(&mut self, slot: Slot, far: f32) -> Next {
         if slot.groups() == 0 {
