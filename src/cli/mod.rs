@@ -1,7 +1,7 @@
 //! The program: one file for each verb.
 //!
 //! Data go to standard output, everything else to standard error. Exit codes: 0 done and, if something was checked, in
-//! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed; 130 interrupted.
+//! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed; 130 interrupted, by SIGINT or SIGTERM.
 
 mod bench;
 mod compare;
@@ -9,6 +9,7 @@ mod completions;
 mod console;
 mod converge;
 mod diff;
+mod document;
 mod export;
 mod info;
 mod input;
@@ -29,26 +30,44 @@ mod table;
 mod trace;
 mod validate;
 
-use clap::{Parser, Subcommand};
+use clap::{Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use std::process::ExitCode;
 
-const EXAMPLES: &str = "\
-Examples:
-  skipgrid render cornell -o cornell.png            a scene made by formula
-  skipgrid render room.glb --accel obvhs-cwbvh -o room.exr
+/// What the verbs are for, in the order in which a newcomer may want them.
+const GROUPS: &[(&str, &[&str])] = &[
+    ("Pictures", &["render", "diff", "export"]),
+    ("Pictures in parts, on many machines", &["plan", "shard", "merge"]),
+    ("What there is", &["list", "info"]),
+    ("Accelerators in your program", &["trace", "run-under"]),
+    ("Accelerators measured", &["compare", "bench", "sweep", "converge", "papers"]),
+    ("Answers and pictures checked", &["validate", "stress"]),
+    ("Shell and manual", &["completions", "man", "help"]),
+];
+
+const DETAILS: &str = "\
+Examples, to begin with; `skipgrid VERB --help` has more for each verb:
+  skipgrid render cornell -o cornell.png            a scene made by formula: no file is needed
+  skipgrid list                                     accelerators, scenes, features
+  skipgrid render room.glb -o room.exr              a scene of yours
   skipgrid compare room.glb --accel grid --accel obvhs-cwbvh
   skipgrid validate --report report.html            against POV-Ray's and Mitsuba's pictures
-  skipgrid trace mesh.obj --rays rays.npy --hits hits.npy
   skipgrid run-under -- blender -b scene.blend -f 1    Blender on our accelerators instead of Embree
 
-Exit codes: 0 done and, if something was checked, in order; 1 a check failed; 2 bad usage or bad input; 3 input or \
-output failed; 130 interrupted.
-Data go to standard output, all else to standard error. NO_COLOR is respected.";
+Exit codes:
+  0    done and, if something was checked, in order
+  1    a check failed: hits or pictures differ, a bound is exceeded, shards are missing
+  2    bad usage or bad input
+  3    input or output failed
+  130  interrupted (SIGINT or SIGTERM): files are whole, not there, or have `.partial` in their names
+`run-under` ends with the exit code of its program.
+
+Data go to standard output, all else to standard error. Progress and colour are for terminals alone; NO_COLOR and TERM=dumb \
+are respected. The JSON of every verb is described in docs/json.md.";
 
 /// Grid ray-tracing accelerators next to BVHs in one path tracer, and a validator against POV-Ray and Mitsuba.
 #[derive(Debug, Parser)]
-#[command(name = "skipgrid", version, after_help = EXAMPLES, max_term_width = 110)]
+#[command(name = "skipgrid", version, after_help = DETAILS, max_term_width = 110)]
 struct Program {
     #[command(subcommand)]
     verb: Verb,
@@ -56,6 +75,40 @@ struct Program {
     /// Print errors only; data still go to standard output
     #[arg(long, short, global = true)]
     quiet: bool,
+}
+
+/// The command line as it is parsed and described.
+fn command() -> Command {
+    let command = with_negative_numbers(Program::command());
+    let template = format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}{{options}}{{after-help}}",
+        groups(&command)
+    );
+    command.help_template(template)
+}
+
+/// `--rays -5` is a number that is refused with its reason, not an option that nobody knows.
+fn with_negative_numbers(command: Command) -> Command {
+    let values = |arg: clap::Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
+    command.mut_args(values).mut_subcommands(with_negative_numbers)
+}
+
+/// The verbs under the headings of [`GROUPS`], and the heading of the options.
+fn groups(command: &Command) -> String {
+    let style = command.get_styles();
+    let (header, literal) = (style.get_header(), style.get_literal());
+    let mut text = String::new();
+    for (heading, names) in GROUPS {
+        text += &format!("{header}{heading}:{header:#}\n");
+        for name in *names {
+            let verb = command.find_subcommand(name);
+            let about =
+                verb.and_then(Command::get_about).map_or("Print this or a verb's help".into(), ToString::to_string);
+            text += &format!("  {literal}{name:<11}{literal:#}  {about}\n");
+        }
+        text += "\n";
+    }
+    text + &format!("{header}Options:{header:#}\n")
 }
 
 #[derive(Debug, Subcommand)]
@@ -95,9 +148,21 @@ enum Outcome {
     OfProgram(u8),
 }
 
+impl Outcome {
+    /// Of a measurement whose answers or pictures must be `identical`.
+    fn of(identical: bool, interrupted: bool) -> Self {
+        match (identical, interrupted) {
+            (false, _) => Self::CheckFailed,
+            (true, true) => Self::Interrupted,
+            (true, false) => Self::Done,
+        }
+    }
+}
+
 /// Runs the program on its command line and prints what goes wrong.
 pub fn main() -> ExitCode {
-    let program = match Program::try_parse() {
+    let parsed = command().try_get_matches().and_then(|matches| Program::from_arg_matches(&matches));
+    let program = match parsed {
         Ok(program) => program,
         Err(message) => {
             // Help and usage go where clap sends them; a closed pipe is no reason to fail.
@@ -143,10 +208,72 @@ pub fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
+    use std::fs;
+    use std::path::Path;
 
     #[test]
     fn the_command_line_is_consistent() {
-        Program::command().debug_assert();
+        command().debug_assert();
+    }
+
+    #[test]
+    fn every_verb_is_in_one_group() {
+        let (program, mut grouped) = (command(), Vec::<&str>::new());
+        GROUPS.iter().for_each(|(_, names)| grouped.extend(*names));
+        let mut verbs: Vec<&str> = program.get_subcommands().map(Command::get_name).chain(["help"]).collect();
+        (verbs.sort(), grouped.sort());
+        assert_eq!(grouped, verbs);
+    }
+
+    /// Commands of this program in `text`: indented or whole lines, up to what the shell or the reader takes.
+    fn commands(text: &str) -> Vec<String> {
+        let shell = |c: char| "|>&#".contains(c);
+        let lines = text.replace("\\\n", " ");
+        let starts = lines.lines().filter_map(|line| line.trim_start().strip_prefix("skipgrid "));
+        // Three spaces set off what is said about a command.
+        let commands = starts.map(|line| line.split("   ").next().unwrap_or(line).split(shell).next().unwrap_or(line));
+        commands.map(|words| format!("skipgrid {words}")).collect()
+    }
+
+    fn assert_parsed(line: &str, place: &str) {
+        let words = shlex::split(line).unwrap_or_else(|| panic!("{place}: {line}"));
+        if let Err(error) = command().try_get_matches_from(words).and_then(|m| Program::from_arg_matches(&m)) {
+            use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
+            assert!(matches!(error.kind(), DisplayHelp | DisplayVersion), "{place}: {line}: {error}");
+        }
+    }
+
+    #[test]
+    fn every_verb_has_two_examples_and_all_are_understood() {
+        fn walk(command: &Command, path: &str) {
+            let verbs: Vec<&Command> = command.get_subcommands().filter(|verb| verb.get_name() != "help").collect();
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let (_, examples) = help.split_once("Examples").unwrap_or_else(|| panic!("{path} has no examples"));
+            let examples = commands(examples);
+            assert!(examples.len() >= 2, "{path}: {examples:?}");
+            assert!(examples.iter().any(|line| line.starts_with(path)), "{path}: {examples:?}");
+            examples.iter().for_each(|line| assert_parsed(line, path));
+            verbs.iter().for_each(|verb| walk(verb, &format!("{path} {}", verb.get_name())));
+        }
+        walk(&command(), "skipgrid");
+    }
+
+    #[test]
+    fn commands_of_the_documents_are_understood() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let docs = fs::read_dir(root.join("docs")).expect("docs is there").map(|entry| entry.expect("readable").path());
+        let pages = docs.filter(|path| path.extension().is_some_and(|e| e == "md")).chain([root.join("README.md")]);
+        let mut found = 0;
+        for page in pages {
+            let text = fs::read_to_string(&page).expect("readable");
+            // In fences of the shell: elsewhere a line may begin with the name in prose.
+            for block in text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()) {
+                // A quote that is closed on a later line is not judged.
+                let lines: Vec<String> = commands(block).into_iter().filter(|l| shlex::split(l).is_some()).collect();
+                found += lines.len();
+                lines.iter().for_each(|line| assert_parsed(line, &page.display().to_string()));
+            }
+        }
+        assert!(found > 20, "{found} commands");
     }
 }

@@ -1,6 +1,13 @@
 //! What the library wrote down at the end of each process, added up.
 
+use crate::cli::document::document;
 use serde_json::Value;
+
+/// What the library wrote, as documents of one line each.
+pub fn lines(text: &str) -> String {
+    let objects = text.lines().filter_map(|line| serde_json::from_str(line).ok()).filter(Value::is_object);
+    objects.map(|object| format!("{}\n", document("skipgrid.run-under/1", object))).collect()
+}
 
 /// The sums over all processes.
 #[derive(Debug, Default, PartialEq)]
