@@ -46,13 +46,14 @@ const GROUPS: &[(&str, &[&str])] = &[
 ];
 
 const DETAILS: &str = "\
-Examples, to begin with; `skipgrid VERB --help` has more for each verb:
-  skipgrid render cornell -o cornell.png            a scene made by formula: no file is needed
+Examples:
+  skipgrid render cornell -o cornell.png            to begin with: a scene made by formula, no file is needed
   skipgrid list                                     accelerators, scenes, features
   skipgrid render room.glb -o room.exr              a scene of yours
   skipgrid compare room.glb --accel grid --accel obvhs-cwbvh
   skipgrid validate --report report.html            against POV-Ray's and Mitsuba's pictures
   skipgrid run-under -- blender -b scene.blend -f 1    Blender on our accelerators instead of Embree
+`skipgrid VERB --help` says more of each verb, with examples.
 
 Exit codes:
   0    done and, if something was checked, in order
@@ -80,10 +81,8 @@ struct Program {
 /// The command line as it is parsed and described.
 fn command() -> Command {
     let command = with_negative_numbers(Program::command());
-    let template = format!(
-        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}{{options}}{{after-help}}",
-        groups(&command)
-    );
+    let template =
+        format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}{{options}}{{after-help}}", groups(&command));
     command.help_template(template)
 }
 

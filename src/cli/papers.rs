@@ -4,7 +4,7 @@ mod forms;
 
 use super::Outcome;
 use super::console::Console;
-use super::input::check_file;
+use super::input::{check_file, parse_positive};
 use crate::error::Result;
 use crate::papers::{
     Report, amanatides_woo, arvo, dda, exactness, newton_seeds, semwal_kvarnstrom, shadow_voxels, spd,
@@ -153,7 +153,7 @@ struct Spd {
     scenes: Vec<String>,
 
     /// Voxels a primitive, of grids that do not set it
-    #[arg(long, value_name = "F", default_value_t = 20.0)]
+    #[arg(long, value_name = "F", default_value_t = 20.0, value_parser = parse_positive)]
     density: f64,
 
     #[command(flatten)]
