@@ -152,16 +152,15 @@ fn specs(args: &Args) -> Vec<String> {
     specs
 }
 
-/// Refuses an anchor or a subject that cannot be among `specs` because nothing is called so there.
+/// Refuses an anchor or a subject that is none of `specs`, but for the usual ones, which need not be measured.
 fn known(args: &Args, specs: &[String]) -> Result<()> {
     let usual = |name: &&String| ANCHORS.contains(&name.as_str()) || *name == "nested";
     let asked = args.anchors.iter().map(|a| ("--anchor", a)).chain([("--subject", &args.subject)]);
-    for (option, name) in asked.filter(|(_, name)| !usual(name) && !specs.contains(name)) {
-        let names: Vec<&str> = specs.iter().map(String::as_str).collect();
-        let hint = did_you_mean(&names, name, 3);
-        return Err(Error::invalid(format!("{option} {name}: is not among the accelerators that are measured{hint}")));
-    }
-    Ok(())
+    let mut unknown = asked.filter(|(_, name)| !usual(name) && !specs.contains(name));
+    let Some((option, name)) = unknown.next() else { return Ok(()) };
+    let names: Vec<&str> = specs.iter().map(String::as_str).collect();
+    let hint = did_you_mean(&names, name, 3);
+    Err(Error::invalid(format!("{option} {name}: is not among the accelerators that are measured{hint}")))
 }
 
 fn report(args: &Args, study: &Study, console: &Console) -> Result<()> {

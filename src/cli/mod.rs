@@ -220,7 +220,8 @@ mod tests {
         let (program, mut grouped) = (command(), Vec::<&str>::new());
         GROUPS.iter().for_each(|(_, names)| grouped.extend(*names));
         let mut verbs: Vec<&str> = program.get_subcommands().map(Command::get_name).chain(["help"]).collect();
-        (verbs.sort(), grouped.sort());
+        verbs.sort();
+        grouped.sort();
         assert_eq!(grouped, verbs);
     }
 
