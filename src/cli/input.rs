@@ -40,7 +40,7 @@ impl SceneArgs {
     /// As [`load`].
     pub fn load(&self, console: &Console) -> Result<Scene> {
         if Path::new(&self.scene).is_dir() {
-            return Err(Error::malformed(&self.scene, "is a folder, where a scene file is wanted"));
+            return Err(Error::malformed(&self.scene, "is a folder and no regular file, as a scene is"));
         }
         let loading = console.progress(format!("loading {}", self.scene));
         let scene = load(&self.scene, &LoadOptions { drop_invalid: self.drop_invalid, ..LoadOptions::default() })?;
