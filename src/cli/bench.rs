@@ -4,12 +4,14 @@ mod forms;
 
 use super::Outcome;
 use super::console::{Console, Format};
+use super::document::document;
 use super::interrupt;
-use super::outputs::{Forms, Outputs};
+use super::outputs::{Extent, Forms, Outputs};
 use super::table::Table;
 use crate::bench::{ANCHORS, BenchScene, Options, Study, bars, run as run_scenes, select, usual};
 use crate::error::{Error, Result};
 use crate::measure::RayKind;
+use crate::registry::did_you_mean;
 use crate::stress::{contenders, spelled_out};
 use serde_json::json;
 use std::path::PathBuf;
@@ -82,6 +84,10 @@ pub struct Args {
     #[command(flatten)]
     outputs: Outputs,
 
+    /// Where the plot goes
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+
     /// List the chosen scenes and accelerators and do nothing
     #[arg(long)]
     list: bool,
@@ -118,7 +124,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         list(args, &scenes, &specs, console)?;
         return Ok(Outcome::Done);
     }
-    args.outputs.check()?;
+    known(args, &specs)?;
+    args.outputs.check(args.svg.as_deref())?;
     let options = Options {
         rounds: args.rounds,
         rays: args.rays,
@@ -129,20 +136,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         most_primitives: args.max_primitives,
         shared: args.shared.join("scenes"),
     };
-    let bar = console.progress(scenes.len() as u64);
-    let progress = |done: usize, stage: &str| {
-        bar.set_position(done as u64);
-        bar.set_message(stage.to_string());
-    };
-    let study = run_scenes(&scenes, &contenders, &options, &progress, interrupt::request());
-    bar.finish_and_clear();
-    let study = study?;
+    let progress = console.progress("");
+    let watch = |done: usize, stage: &str| progress.at(done as u64, scenes.len() as u64, stage);
+    let study = run_scenes(&scenes, &contenders, &options, &watch, interrupt::request())?;
+    drop(progress);
     report(args, &study, console)?;
-    Ok(match () {
-        () if !study.identical() => Outcome::CheckFailed,
-        () if study.interrupted => Outcome::Interrupted,
-        () => Outcome::Done,
-    })
+    Ok(Outcome::of(study.identical(), study.interrupted))
 }
 
 /// The accelerators that are asked for, each once.
@@ -151,6 +150,17 @@ fn specs(args: &Args) -> Vec<String> {
     let mut seen = std::collections::HashSet::new();
     specs.retain(|spec| seen.insert(spec.clone()));
     specs
+}
+
+/// Refuses an anchor or a subject that is none of `specs`, but for the usual ones, which need not be measured.
+fn known(args: &Args, specs: &[String]) -> Result<()> {
+    let usual = |name: &&String| ANCHORS.contains(&name.as_str()) || *name == "nested";
+    let asked = args.anchors.iter().map(|a| ("--anchor", a)).chain([("--subject", &args.subject)]);
+    let mut unknown = asked.filter(|(_, name)| !usual(name) && !specs.contains(name));
+    let Some((option, name)) = unknown.next() else { return Ok(()) };
+    let names: Vec<&str> = specs.iter().map(String::as_str).collect();
+    let hint = did_you_mean(&names, name, 3);
+    Err(Error::invalid(format!("{option} {name}: is not among the accelerators that are measured{hint}")))
 }
 
 fn report(args: &Args, study: &Study, console: &Console) -> Result<()> {
@@ -164,9 +174,9 @@ fn report(args: &Args, study: &Study, console: &Console) -> Result<()> {
         text: &|| forms::text(study, &args.subject),
         csv: &|| forms::csv(study),
         json: &|| forms::json(study, &args.subject),
-        svg: &|| bars(study).svg(),
+        shown: (args.svg.as_deref(), &|| bars(study).svg()),
     };
-    args.outputs.write(&forms, console)
+    args.outputs.write(&forms, Extent::of(study.interrupted, !study.scenes.is_empty()), console)
 }
 
 /// Prints what would be measured.
@@ -175,7 +185,8 @@ fn list(args: &Args, scenes: &[BenchScene], specs: &[String], console: &Console)
     if args.outputs.format == Format::Json {
         let scene = |s: &BenchScene| json!({ "scene": s.name, "class": s.class.name(), "primitives": s.primitives, "specification": s.spec(&folder) });
         let scenes: Vec<_> = scenes.iter().map(scene).collect();
-        return console.json(&json!({ "version": env!("CARGO_PKG_VERSION"), "scenes": scenes, "accelerators": specs }));
+        let body = json!({ "scenes": scenes, "accelerators": specs });
+        return console.json(&document("skipgrid.bench-list/1", body));
     }
     let mut table = Table::new(&["<scene", "<class", "primitives", "<specification"]);
     for scene in scenes {

@@ -2,14 +2,15 @@
 
 use super::Outcome;
 use super::console::{Console, Format};
-use super::input::{DEFAULT_ACCELS, SceneArgs, note_camera, parse_size};
+use super::document::measured;
+use super::input::{ContenderArgs, RayArgs, bits, note_camera, parse_size};
 use super::table::{Table, short};
 use super::trace::read_rays;
 use crate::accel::Hit;
 use crate::error::Result;
-use crate::measure::{Comparison, Difference, Query, RayOptions, Rounds, compare_with};
-use crate::ray::Ray;
+use crate::measure::{Comparison, Difference, Query, Rounds, compare_with};
 use serde_json::{Value, json};
+use std::cell::Cell;
 use std::path::PathBuf;
 
 const DETAILS: &str = "\
@@ -29,27 +30,14 @@ Examples:
 #[command(after_help = DETAILS)]
 pub struct Args {
     #[command(flatten)]
-    scene: SceneArgs,
+    contenders: ContenderArgs,
 
-    /// Accelerator, with options; give it once for each; the first is the measure of the others
-    #[arg(long = "accel", value_name = "A", default_values = DEFAULT_ACCELS)]
-    accels: Vec<String>,
-
-    /// Timed rounds
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
-    rounds: u32,
+    #[command(flatten)]
+    traced: RayArgs,
 
     /// Film that camera rays go through
     #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = parse_size)]
     size: (u32, u32),
-
-    /// Most rays of a kind; of a larger film every so-many-th pixel is taken
-    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..))]
-    max_rays: u32,
-
-    /// Same seed, same rays
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
 
     /// Use the rays of this .npy or .rays file instead, asked for their closest hit
     #[arg(long, value_name = "FILE")]
@@ -63,19 +51,22 @@ pub struct Args {
 /// Compares and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let given = args.rays.as_deref().map(read_rays).transpose()?;
-    let scene = args.scene.load(console)?;
+    let scene = args.contenders.scene.load(console)?;
     if given.is_none() {
         note_camera(&scene, console);
     }
-    let specs: Vec<String> = args.accels.iter().map(|accel| args.scene.spec(accel)).collect();
-    let (width, height) = args.size;
-    let rays = RayOptions { width, height, seed: args.seed, max_rays: args.max_rays as usize };
-    let rounds = Rounds { rounds: args.rounds, rays, given };
+    let specs = args.contenders.specs();
+    let kinds = if given.is_some() { 1 } else { 3 };
+    let rounds = Rounds { rounds: args.traced.rounds, rays: args.traced.of_film(args.size), given };
 
-    let spinner = console.progress(0);
-    let result = compare_with(&scene, &specs, &rounds, &|stage| spinner.set_message(stage.to_string()));
-    spinner.finish_and_clear();
-    let result = result?;
+    let progress = console.progress("");
+    let all = specs.len() as u64 + kinds * (work("checking", &rounds) + work("timing", &rounds));
+    let (done, now) = (Cell::new(0), Cell::new(0));
+    let result = compare_with(&scene, &specs, &rounds, &|stage| {
+        done.set(done.get() + now.replace(work(stage, &rounds)));
+        progress.at(done.get(), all, stage);
+    })?;
+    drop(progress);
     match args.format {
         Format::Text => console.data(&text(&result, args))?,
         Format::Json => console.json(&json(&result, args))?,
@@ -87,14 +78,25 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(if result.identical() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
+/// About how much a stage of [`compare_with`] has to do: passes over the rays, or a build.
+fn work(stage: &str, rounds: &Rounds) -> u64 {
+    match stage.split(' ').next() {
+        // Closest hit, any hit, and one of them with counting.
+        Some("checking") => 3,
+        // One pass tells how often a reading repeats it.
+        Some("timing") => 1 + u64::from(rounds.rounds),
+        _ => 1,
+    }
+}
+
 fn text(result: &Comparison, args: &Args) -> String {
     let mut out = format!(
         "skipgrid {}: {}, {} primitives\n{}; traced on one thread\nseed {}, {} rounds:",
         env!("CARGO_PKG_VERSION"),
-        args.scene.scene,
+        args.contenders.scene.scene,
         result.primitives,
         result.machine,
-        args.seed,
+        args.traced.seed,
         result.rounds
     );
     for kind in &result.kinds {
@@ -224,12 +226,6 @@ fn answer(answer: &std::result::Result<Option<Hit>, bool>) -> String {
     }
 }
 
-/// The ray as hexadecimal bits, in the order of ray files.
-fn bits(ray: &Ray) -> Vec<String> {
-    let (o, d) = (ray.origin, ray.direction);
-    [o.x, o.y, o.z, ray.t_min, d.x, d.y, d.z, ray.t_max].map(|x| format!("{:08x}", x.to_bits())).to_vec()
-}
-
 fn json(result: &Comparison, args: &Args) -> Value {
     let kinds: Vec<Value> = result
         .kinds
@@ -283,15 +279,10 @@ fn json(result: &Comparison, args: &Args) -> Value {
             })
         })
         .collect();
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "scene": args.scene.scene,
+    let body = json!({
+        "scene": args.contenders.scene.scene,
         "primitives": result.primitives,
-        "cpu": result.machine.cpu,
-        "threads": result.machine.threads,
-        "code": result.machine.features,
-        "debug": result.machine.debug,
-        "seed": args.seed,
+        "seed": args.traced.seed,
         "rounds": result.rounds,
         "rays": kinds,
         "accelerators": rows,
@@ -300,7 +291,8 @@ fn json(result: &Comparison, args: &Args) -> Value {
         "rays_checked": result.rays(),
         "differing": result.differing,
         "difference": result.difference.as_ref().map(difference),
-    })
+    });
+    measured("skipgrid.compare/1", &result.machine, body)
 }
 
 /// The first difference.

@@ -1,9 +1,8 @@
 //! `skipgrid completions`: what a shell completes this program's command lines with.
 
 use super::console::Console;
-use super::{Outcome, Program};
+use super::{Outcome, command};
 use crate::error::Result;
-use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
 const DETAILS: &str = "\
@@ -25,7 +24,7 @@ pub struct Args {
 /// Prints the script.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut script = Vec::new();
-    generate(args.shell, &mut Program::command(), "skipgrid", &mut script);
+    generate(args.shell, &mut command(), "skipgrid", &mut script);
     console.data(&String::from_utf8_lossy(&script))?;
     Ok(Outcome::Done)
 }

@@ -4,13 +4,13 @@ mod forms;
 mod plot;
 
 use super::console::Console;
-use super::input::{DEFAULT_ACCELS, SceneArgs, check_folder, note_camera, parse_size};
-use super::outputs::{Forms, Outputs};
+use super::input::{ContenderArgs, Method, check_folder, note_camera, parse_positive, parse_size};
+use super::outputs::{Extent, Forms, Outputs};
 use super::{Outcome, interrupt};
 use crate::converge::{Options, Other, Study, Truth, study};
 use crate::error::{Error, Result};
 use crate::picture::io::{self, Attributes};
-use crate::render::{Integrator, Settings};
+use crate::render::Settings;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 
@@ -38,11 +38,7 @@ Examples:
 #[command(after_help = DETAILS)]
 pub struct Args {
     #[command(flatten)]
-    scene: SceneArgs,
-
-    /// Accelerator, with options; give it once for each
-    #[arg(long = "accel", value_name = "A", default_values = DEFAULT_ACCELS)]
-    accels: Vec<String>,
+    contenders: ContenderArgs,
 
     /// What pictures are held against: a picture, or our own of so many samples; default: self of 16 times --spp
     #[arg(long, value_name = "IMAGE|self:SPP", value_parser = parse_truth)]
@@ -60,7 +56,7 @@ pub struct Args {
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
 
-    /// What is computed; default: the scene's, else path
+    /// What is computed; default: the scene's, else path. Pixels are sampled at random points here by both
     #[arg(long, value_enum)]
     integrator: Option<Method>,
 
@@ -94,14 +90,10 @@ pub struct Args {
 
     #[command(flatten)]
     outputs: Outputs,
-}
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Method {
-    /// Path tracing
-    Path,
-    /// Whitted 1980; pixels are sampled at random points here, too
-    Whitted,
+    /// Where the plot goes
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -114,32 +106,21 @@ enum Against {
 
 /// Measures and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.outputs.check()?;
+    args.outputs.check(args.svg.as_deref())?;
     args.pictures.iter().try_for_each(|folder| check_folder(folder))?;
-    if let Some(folder) = args.pictures.as_ref().filter(|folder| folder.exists() && !folder.is_dir()) {
-        return Err(Error::malformed(folder, "is no folder for pictures"));
-    }
-    let scene = args.scene.load(console)?;
+    let scene = args.contenders.scene.load(console)?;
     note_camera(&scene, console);
     let options = options(args, &scene)?;
-    let specs: Vec<String> = args.accels.iter().map(|accel| args.scene.spec(accel)).collect();
+    let specs = args.contenders.specs();
     let workplace = Workplace::new(!options.others.is_empty())?;
 
-    let bar = console.progress(1000);
-    let progress = |share: f64, stage: &str| {
-        // A share of 0 to 1.
-        bar.set_position((share * 1000.0) as u64);
-        bar.set_message(stage.to_string());
-    };
-    let result = study(&scene, &specs, &options, &workplace.folder, &progress, interrupt::request());
-    bar.finish_and_clear();
-    let study = result?;
+    let progress = console.progress("");
+    // A share of 0 to 1.
+    let watch = |share: f64, stage: &str| progress.at((share * 1000.0) as u64, 1000, stage);
+    let study = study(&scene, &specs, &options, &workplace.folder, &watch, interrupt::request())?;
+    drop(progress);
     report(args, &study, console)?;
-    Ok(match () {
-        () if !study.identical() => Outcome::CheckFailed,
-        () if study.interrupted => Outcome::Interrupted,
-        () => Outcome::Done,
-    })
+    Ok(Outcome::of(study.identical(), study.interrupted))
 }
 
 /// The command line, then the reference, then the scene's wishes, then the defaults.
@@ -154,12 +135,6 @@ fn options(args: &Args, scene: &Scene) -> Result<Options> {
         _ => None,
     };
     let (width, height) = args.size.or(of_reference).or(wish.size).unwrap_or((usual.width, usual.height));
-    let integrator = match args.integrator {
-        Some(Method::Path) => Integrator::Path,
-        Some(Method::Whitted) => Integrator::Whitted,
-        None if wish.integrator.as_deref() == Some("whitted") => Integrator::Whitted,
-        None => Integrator::Path,
-    };
     let mut others: Vec<Other> = Vec::new();
     for against in &args.against {
         let other = if *against == Against::Mitsuba { Other::Mitsuba } else { Other::Povray };
@@ -168,7 +143,7 @@ fn options(args: &Args, scene: &Scene) -> Result<Options> {
         }
     }
     Ok(Options {
-        integrator,
+        integrator: Method::or_wish(args.integrator, wish.integrator.as_deref()),
         width,
         height,
         max_depth: args.max_depth.or(wish.max_depth).unwrap_or(Settings::default().max_depth),
@@ -191,14 +166,15 @@ fn report(args: &Args, study: &Study, console: &Console) -> Result<()> {
         console.warn("nothing tells the noise of the reference: it is part of bias^2");
     }
     study.differences.iter().take(3).for_each(|d| console.warn(d));
-    let (scene, targets) = (&args.scene.scene, &args.targets);
+    let (scene, targets) = (&args.contenders.scene.scene, &args.targets);
     let forms = Forms {
         text: &|| forms::text(study, scene, targets),
         csv: &|| forms::csv(study, scene),
         json: &|| forms::json(study, scene, targets),
-        svg: &|| plot::curves(study, scene).svg(),
+        shown: (args.svg.as_deref(), &|| plot::curves(study, scene).svg()),
     };
-    args.outputs.write(&forms, console)?;
+    let finished = study.curves.iter().any(|curve| !curve.points.is_empty());
+    args.outputs.write(&forms, Extent::of(study.interrupted, finished), console)?;
     match &args.pictures {
         Some(folder) if !study.interrupted => pictures(folder, study, scene, console),
         _ => Ok(()),
@@ -260,12 +236,5 @@ fn parse_truth(text: &str) -> std::result::Result<Truth, String> {
     match samples.parse::<u32>() {
         Ok(n) if (2..=most).contains(&n) && n % 2 == 0 => Ok(Truth::Own(n)),
         _ => Err(format!("self:SPP takes an even number of samples, 2 to {most}")),
-    }
-}
-
-fn parse_positive(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("not a finite number above 0".into()),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::console::{Console, Format};
+use super::document::document;
 use super::input::check_picture;
 use super::table::Table;
 use crate::error::{Error, Result};
@@ -22,6 +23,8 @@ Examples:
   skipgrid diff ours.exr theirs.exr
   skipgrid diff ours.exr theirs.exr --metric relmse --fail-above 1e-3 -o difference.png
   skipgrid diff ours.exr theirs.hdr --metric hdr-flip -o flip.png --exposure-map exposures.png";
+
+const SCHEMA: &str = "skipgrid.diff/1";
 
 /// Compare two pictures: RMSE, relMSE, PSNR, FLIP, HDR-FLIP and more
 #[derive(Debug, clap::Args)]
@@ -98,6 +101,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     for map in args.out.iter().chain(&args.exposure_map) {
         check_picture(map)?;
     }
+    if let Some(layer) = args.layer.as_ref().filter(|_| !is_exr(&args.a) && !is_exr(&args.b)) {
+        let (a, b) = (args.a.display(), args.b.display());
+        return Err(Error::invalid(format!(
+            "--layer {layer}: EXR files alone have layers, and neither {a} nor {b} is one"
+        )));
+    }
     let read = |path: &Path| match &args.layer {
         Some(layer) => io::read_layer(path, layer),
         None => io::read(path),
@@ -143,7 +152,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     match args.format {
         Format::Json => {
             let fields: Map<String, Value> = shown.map(|(_, name, value)| (name.to_string(), json!(value))).collect();
-            console.json(&Value::Object(fields))?;
+            console.json(&document(SCHEMA, Value::Object(fields)))?;
         }
         form => {
             let mut table = Table::new(&["<metric", "value"]);
@@ -193,14 +202,8 @@ fn unless_too_large<T>(found: Result<T>, spare: bool, console: &Console) -> Opti
 
 /// HDR-FLIP with a bar.
 fn exposed(a: &Picture, b: &Picture, console: &Console) -> Result<hdr::Comparison> {
-    let bar = console.progress(1);
-    bar.set_message("exposures");
-    let found = hdr::compare(a, b, &|done, all| {
-        bar.set_length(all.into());
-        bar.set_position(done.into());
-    });
-    bar.finish_and_clear();
-    found
+    let progress = console.progress("exposures");
+    hdr::compare(a, b, &|done, all| progress.at(done.into(), all.into(), "exposures"))
 }
 
 /// `levels` of 0 to 1, one for each pixel of `like`, in colours.
@@ -212,7 +215,9 @@ fn coloured(like: &Picture, levels: impl Iterator<Item = f32>) -> Picture {
 fn not_finite(args: &Args, bad: [NonFinite; 2], console: &Console) -> Result<Outcome> {
     let both = || [&args.a, &args.b].into_iter().zip(bad);
     match args.format {
-        Format::Json => console.json(&json!({ "not_finite": { "a": bad[0], "b": bad[1] } }))?,
+        Format::Json => {
+            console.json(&document(SCHEMA, json!({ "not_finite": { "a": bad[0], "b": bad[1] } })))?;
+        }
         form => {
             let mut table = Table::new(&["<picture", "not finite", "NaN", "column", "row"]);
             for (path, bad) in both() {
@@ -228,6 +233,10 @@ fn not_finite(args: &Args, bad: [NonFinite; 2], console: &Console) -> Result<Out
         bad.complaint(&path.display().to_string()).into_iter().for_each(|words| console.note(words));
     }
     Ok(Outcome::CheckFailed)
+}
+
+fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 
 /// A number of at least 0.

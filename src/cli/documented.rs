@@ -1,9 +1,9 @@
-//! Every command line of this program that a document shows is one that the program understands.
+//! Every command line of this program that a document or a help text shows is one that the program understands.
 
-use super::Program;
+use super::{Program, command as program};
 use crate::geometry::Triangle;
 use crate::registry;
-use clap::{CommandFactory, Parser};
+use clap::{Command, FromArgMatches};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -34,19 +34,19 @@ fn shown(text: &str) -> Vec<Shown> {
                 block.pop();
                 continue;
             }
-            found.extend(command(&block, true));
+            found.extend(called(&block, true));
             block.clear();
         } else {
             prose.push_str(line);
             prose.push(' ');
         }
     }
-    found.extend(prose.split('`').skip(1).step_by(2).filter_map(|code| command(code, false)));
+    found.extend(prose.split('`').skip(1).step_by(2).filter_map(|code| called(code, false)));
     found
 }
 
 /// What `line` gives this program, if it calls it: up to a comment, a pipe or a redirection.
-fn command(line: &str, whole: bool) -> Option<Shown> {
+fn called(line: &str, whole: bool) -> Option<Shown> {
     let rest = line.strip_prefix("skipgrid ").or_else(|| line.strip_prefix("cargo run --release -- "))?;
     // A text that goes over several lines, or a dependency in TOML.
     let words = shlex::split(rest).filter(|words| words.first().is_some_and(|word| word != "="))?;
@@ -56,7 +56,7 @@ fn command(line: &str, whole: bool) -> Option<Shown> {
 
 /// What is wrong with a command line.
 fn fault(shown: &Shown) -> Option<String> {
-    let program = Program::command();
+    let program = program();
     let verb = shown.words.first()?;
     if verb == "help" {
         return None;
@@ -81,8 +81,10 @@ fn fault(shown: &Shown) -> Option<String> {
         }
     }
     if shown.whole {
+        use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
         let line = std::iter::once("skipgrid").chain(shown.words.iter().map(String::as_str));
-        return Program::try_parse_from(line).err().map(|error| error.to_string());
+        let parsed = program.try_get_matches_from(line).and_then(|matches| Program::from_arg_matches(&matches));
+        return parsed.err().filter(|e| !matches!(e.kind(), DisplayHelp | DisplayVersion)).map(|e| e.to_string());
     }
     None
 }
@@ -111,4 +113,28 @@ fn commands_in_documents_are_understood() {
     }
     assert!(seen > 100, "the search finds next to nothing: {seen}");
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The examples at the end of a help text; three spaces set off what is said about one.
+fn examples(help: &str) -> Vec<Shown> {
+    let (_, examples) = help.split_once("Examples").unwrap_or_default();
+    let lines = examples.lines().map(|line| line.trim_start().split("   ").next().unwrap_or_default());
+    lines.filter_map(|line| called(line, true)).collect()
+}
+
+#[test]
+fn every_verb_has_two_examples_that_are_understood() {
+    fn walk(verb: &Command, path: &[&str]) {
+        let help = verb.get_after_help().map(ToString::to_string).unwrap_or_default();
+        let examples = examples(&help);
+        assert!(examples.len() >= 2, "{path:?} has {} examples", examples.len());
+        assert!(examples.iter().any(|shown| shown.words.iter().zip(path).all(|(a, b)| a == b)), "{path:?}");
+        for shown in &examples {
+            assert_eq!(fault(shown), None, "{path:?}: {:?}", shown.words);
+        }
+        for below in verb.get_subcommands().filter(|below| below.get_name() != "help") {
+            walk(below, &[path, &[below.get_name()]].concat());
+        }
+    }
+    walk(&program(), &[]);
 }

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::console::Console;
-use super::input::{SceneArgs, check_folder, note_camera, parse_size};
+use super::input::{SceneArgs, check_extension, note_camera, parse_size};
 use crate::error::Result;
 use crate::render::Settings;
 use crate::scene::{ExportSettings, mitsuba, povray};
@@ -56,7 +56,11 @@ enum Target {
 
 /// Writes the files.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    check_folder(&args.out)?;
+    let (program, extension) = match args.to {
+        Target::Povray => ("POV-Ray", "pov"),
+        Target::Mitsuba => ("Mitsuba", "xml"),
+    };
+    check_extension(&args.out, &format!("a scene for {program}"), extension)?;
     let scene = args.scene.load(console)?;
     note_camera(&scene, console);
     let default = Settings::default();

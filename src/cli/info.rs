@@ -2,7 +2,8 @@
 
 use super::Outcome;
 use super::console::{Console, Format};
-use super::input::{DEFAULT_ACCEL, SceneArgs, choose, usual_rays};
+use super::document::document;
+use super::input::{DEFAULT_ACCEL, SceneArgs, build, choose, usual_rays};
 use super::table::{Table, short};
 use crate::accel::Accel;
 use crate::auto::Choice;
@@ -13,7 +14,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 use std::time::Instant;
 
-/// Show primitives, extent, camera, materials and lights of a scene, and size and build time of an accelerator
+/// Show what a scene holds, and size and build time of an accelerator over it
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  skipgrid info room.glb\n  skipgrid info random:n=10000 --accel grid:density=4\n  skipgrid info room.glb --rays 1e9"
@@ -48,7 +49,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let rays = args.rays.unwrap_or_else(|| usual_rays(&scene));
     let (spec, choice) = choose(&args.scene.spec(&args.accel), &scene, rays)?;
     let start = Instant::now();
-    let accel = scene.accel(&spec)?;
+    let accel = build(&scene, &spec, console)?;
     let build_ms = start.elapsed().as_secs_f64() * 1e3;
 
     let facts = facts(&scene, (&spec, choice.as_ref()), &*accel, load_ms, build_ms);
@@ -60,7 +61,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         }
         Format::Json => {
             let map = facts.into_iter().map(|(name, _, value)| (name.replace(' ', "_"), value));
-            console.json(&Value::Object(map.collect()))?;
+            console.json(&document("skipgrid.info/1", Value::Object(map.collect())))?;
         }
         Format::Csv => {
             let mut table = Table::new(&["<fact", "<value"]);

@@ -1,10 +1,14 @@
 //! Arguments that several verbs share, and how they are read.
 
 use super::console::Console;
+use crate::accel::Accel;
 use crate::auto::Choice;
 use crate::error::{Error, Result};
+use crate::measure::RayOptions;
+use crate::picture::io;
+use crate::ray::Ray;
 use crate::registry;
-use crate::render::{Sampler, Settings};
+use crate::render::{Integrator, Sampler, Settings};
 use crate::scene::{CameraSource, LoadOptions, Scene, load};
 use std::path::Path;
 
@@ -35,7 +39,12 @@ impl SceneArgs {
     /// # Errors
     /// As [`load`].
     pub fn load(&self, console: &Console) -> Result<Scene> {
+        if Path::new(&self.scene).is_dir() {
+            return Err(Error::malformed(&self.scene, "is a folder and no regular file, as a scene is"));
+        }
+        let loading = console.progress(format!("loading {}", self.scene));
         let scene = load(&self.scene, &LoadOptions { drop_invalid: self.drop_invalid, ..LoadOptions::default() })?;
+        drop(loading);
         for warning in &scene.warnings {
             console.warn(warning);
         }
@@ -52,6 +61,77 @@ impl SceneArgs {
             None => accel.to_string(),
         }
     }
+}
+
+/// Which accelerators are measured, and on which scene.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ContenderArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+
+    /// Accelerator, with options; give it once for each; the first is the measure of the others
+    #[arg(long = "accel", value_name = "A", default_values = DEFAULT_ACCELS)]
+    accels: Vec<String>,
+}
+
+impl ContenderArgs {
+    /// Their specifications, with the memory budget.
+    pub fn specs(&self) -> Vec<String> {
+        self.accels.iter().map(|accel| self.scene.spec(accel)).collect()
+    }
+}
+
+/// Which rays are traced, and how often, where accelerators are measured on a scene.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct RayArgs {
+    /// Timed rounds
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub rounds: u32,
+
+    /// Most rays of a kind; of a larger film every so-many-th pixel is taken
+    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..))]
+    max_rays: u32,
+
+    /// Same seed, same rays
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+impl RayArgs {
+    /// The rays through a film of this size.
+    pub fn of_film(&self, (width, height): (u32, u32)) -> RayOptions {
+        RayOptions { width, height, seed: self.seed, max_rays: self.max_rays as usize }
+    }
+}
+
+/// The integrators whose pictures other renderers make, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// Path tracing
+    Path,
+    /// Whitted 1980
+    Whitted,
+}
+
+impl Method {
+    /// What is asked for, else what the scene wishes, else path tracing.
+    pub fn or_wish(asked: Option<Self>, wish: Option<&str>) -> Integrator {
+        match asked {
+            Some(Method::Path) => Integrator::Path,
+            Some(Method::Whitted) => Integrator::Whitted,
+            None if wish == Some("whitted") => Integrator::Whitted,
+            None => Integrator::Path,
+        }
+    }
+}
+
+/// Builds the accelerator.
+///
+/// # Errors
+/// As [`Scene::accel`].
+pub fn build(scene: &Scene, spec: &str, console: &Console) -> Result<Box<dyn Accel>> {
+    let _building = console.progress(format!("building {spec}"));
+    scene.accel(spec)
 }
 
 /// What `spec` stands for if it is `auto`, with so many `rays` to come, and why; the same specification otherwise.
@@ -90,26 +170,69 @@ pub fn note_camera(scene: &Scene, console: &Console) {
 /// Finds out before the work whether the picture `out` could be written after it.
 ///
 /// # Errors
-/// The extension is no picture format, or the folder is missing.
+/// The extension is no picture format; else as [`check_file`].
 pub fn check_picture(out: &Path) -> Result<()> {
     let extension = out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     if !["exr", "png", "pfm"].contains(&extension.as_str()) {
         let cause = format!("extension `{extension}` is no picture format: .exr, .png or .pfm");
         return Err(Error::malformed(out, cause));
     }
-    check_folder(out)
+    check_file(out)
 }
 
-/// Finds out whether the folder that the file `out` goes to exists.
+/// As [`check_picture`], for a file of any form but with one of these extensions.
 ///
 /// # Errors
-/// It does not.
-pub fn check_folder(out: &Path) -> Result<()> {
+/// It has another one; else as [`check_file`].
+pub fn check_extension(out: &Path, what: &str, extension: &str) -> Result<()> {
+    if !out.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) {
+        return Err(Error::malformed(out, format!("the name of {what} ends in .{extension}")));
+    }
+    check_file(out)
+}
+
+/// Finds out before the work whether the file `out` could be written after it.
+///
+/// # Errors
+/// Its folder is missing or cannot be written to, or there is something under its name that is no regular file.
+pub fn check_file(out: &Path) -> Result<()> {
+    check_parent(out)?;
+    io::check_replaceable(out)
+}
+
+/// Finds out before the work whether files could be written into the folder `folder` after it, which may be missing.
+///
+/// # Errors
+/// It is no folder, or cannot be made.
+pub fn check_folder(folder: &Path) -> Result<()> {
+    match std::fs::metadata(folder) {
+        Ok(meta) if meta.is_dir() => Ok(()),
+        Ok(_) => Err(Error::malformed(folder, "is no folder for pictures")),
+        Err(_) => check_parent(folder),
+    }
+}
+
+/// Finds out whether the folder that `out` goes to exists.
+fn check_parent(out: &Path) -> Result<()> {
     let folder = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match std::fs::metadata(folder) {
         Ok(meta) if meta.is_dir() => Ok(()),
         Ok(_) => Err(Error::io(folder, std::io::ErrorKind::NotADirectory.into())),
         Err(error) => Err(Error::io(folder, error)),
+    }
+}
+
+/// The bits of a ray, eight hexadecimal numbers in the order of ray files.
+pub fn bits(ray: &Ray) -> Vec<String> {
+    let (o, d) = (ray.origin, ray.direction);
+    [o.x, o.y, o.z, ray.t_min, d.x, d.y, d.z, ray.t_max].map(|x| format!("{:08x}", x.to_bits())).to_vec()
+}
+
+/// A finite number above 0.
+pub fn parse_positive(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("not a finite number above 0".into()),
     }
 }
 

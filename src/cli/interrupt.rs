@@ -18,7 +18,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The program's exit code after an interrupt, as shells have it.
+/// The program's exit code after either signal: what shells have for an interrupt.
 pub const EXIT_CODE: u8 = 130;
 
 /// Somebody looks at [`REQUESTED`].
@@ -44,7 +44,7 @@ fn interrupted(signal: i32) {
     #[cfg(not(target_os = "linux"))]
     let _ = signal;
     if REQUESTED.swap(true, Ordering::SeqCst) {
-        std::process::exit(EXIT_CODE.into());
+        end();
     }
     if AWAITED.load(Ordering::SeqCst) {
         console::say("", "interrupted: what is finished will be kept; once more ends at once");
@@ -52,7 +52,14 @@ fn interrupted(signal: i32) {
     }
     console::say("", "interrupted");
     // In a thread of its own, so that a second interrupt is heard while a file is written.
-    std::thread::spawn(|| io::between_files(|| std::process::exit(EXIT_CODE.into())));
+    std::thread::spawn(|| io::between_files(|| end()));
+}
+
+/// Ends the program with a clean last line.
+#[cfg(unix)]
+fn end() -> ! {
+    console::clear();
+    std::process::exit(EXIT_CODE.into())
 }
 
 /// A flag that the first interrupt sets, from now on, instead of ending the program.

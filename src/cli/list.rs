@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::console::{Console, Format};
+use super::document::document;
 use super::table::Table;
 use crate::error::Result;
 use crate::registry::{ENTRIES, Entry, LEFT_OUT};
@@ -116,5 +117,6 @@ fn json() -> Value {
         .collect();
     let features: Vec<Value> =
         FEATURES.iter().map(|(name, on, summary)| json!({ "name": name, "enabled": on, "summary": summary })).collect();
-    json!({ "version": env!("CARGO_PKG_VERSION"), "accelerators": accelerators, "left_out": left_out, "scenes": scenes, "features": features })
+    let body = json!({ "accelerators": accelerators, "left_out": left_out, "scenes": scenes, "features": features });
+    document("skipgrid.list/1", body)
 }

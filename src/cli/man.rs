@@ -1,11 +1,11 @@
 //! `skipgrid man`: the manual pages, made of what `--help` says.
 
 use super::console::Console;
-use super::{Outcome, Program};
+use super::{Outcome, command};
 use crate::error::{Error, Result};
 use crate::picture::io::replace_file;
 use crate::registry::did_you_mean;
-use clap::{Command, CommandFactory};
+use clap::Command;
 use clap_mangen::Man;
 use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ pub struct Args {
 
 /// Prints or writes pages.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let mut program = Program::command().disable_help_subcommand(true);
+    let mut program = command().disable_help_subcommand(true);
     // Gives the verbs their full names and the options of the whole program.
     program.build();
     let verbs: Vec<&Command> = program.get_subcommands().collect();

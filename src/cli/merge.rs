@@ -14,8 +14,10 @@ The picture is equal to the bit to that of one `skipgrid render`, and so is its 
 or of samples that others have are refused by name, and nothing is written. If shards are missing, nothing is written either; the \
 commands that make them go to standard output, one a line, and the exit code is 1.
 
-Example:
-  skipgrid merge parts -o cornell.exr > missing.txt || parallel < missing.txt";
+Examples:
+  skipgrid merge parts -o cornell.exr
+  skipgrid merge parts -o cornell.exr > missing.txt || parallel < missing.txt
+  skipgrid merge left.shard.exr right.shard.exr -o cornell.exr";
 
 /// Make one picture of its shards
 #[derive(Debug, clap::Args)]
@@ -41,7 +43,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             files.push(path.clone());
         }
     }
-    let (job, film) = match shards::merge(&files)? {
+    let progress = console.progress("merging");
+    let merged = shards::merge_with(&files, &|done, all, next| progress.at(done as u64, all as u64, next))?;
+    drop(progress);
+    let (job, film) = match merged {
         Merged::Whole(job, film) => (job, film),
         Merged::Missing(job, places) => {
             let folder = files[0].parent().unwrap_or(Path::new(""));

@@ -1,7 +1,7 @@
 //! The program: one file for each verb.
 //!
 //! Data go to standard output, everything else to standard error. Exit codes: 0 done and, if something was checked, in
-//! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed; 130 interrupted.
+//! order; 1 a check failed; 2 bad usage or bad input; 3 input or output failed; 130 interrupted, by SIGINT or SIGTERM.
 
 mod bench;
 mod compare;
@@ -9,6 +9,7 @@ mod completions;
 mod console;
 mod converge;
 mod diff;
+mod document;
 #[cfg(test)]
 mod documented;
 mod export;
@@ -31,26 +32,45 @@ mod table;
 mod trace;
 mod validate;
 
-use clap::{Parser, Subcommand};
+use clap::{Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use std::process::ExitCode;
 
-const EXAMPLES: &str = "\
+/// What the verbs are for, in the order in which a newcomer may want them.
+const GROUPS: &[(&str, &[&str])] = &[
+    ("Pictures", &["render", "diff", "export"]),
+    ("Pictures in parts, on many machines", &["plan", "shard", "merge"]),
+    ("What there is", &["list", "info"]),
+    ("Accelerators in your program", &["trace", "run-under"]),
+    ("Accelerators measured", &["compare", "bench", "sweep", "converge", "papers"]),
+    ("Answers and pictures checked", &["validate", "stress"]),
+    ("Shell and manual", &["completions", "man", "help"]),
+];
+
+const DETAILS: &str = "\
 Examples:
-  skipgrid render cornell -o cornell.png            a scene made by formula
-  skipgrid render room.glb --accel obvhs-cwbvh -o room.exr
+  skipgrid render cornell -o cornell.png            to begin with: a scene made by formula, no file is needed
+  skipgrid list                                     accelerators, scenes, features
+  skipgrid render room.glb -o room.exr              a scene of yours
   skipgrid compare room.glb --accel grid --accel obvhs-cwbvh
   skipgrid validate --report report.html            against POV-Ray's and Mitsuba's pictures
-  skipgrid trace mesh.obj --rays rays.npy --hits hits.npy
   skipgrid run-under -- blender -b scene.blend -f 1    Blender on our accelerators instead of Embree
+`skipgrid VERB --help` says more of each verb, with examples.
 
-Exit codes: 0 done and, if something was checked, in order; 1 a check failed; 2 bad usage or bad input; 3 input or \
-output failed; 130 interrupted.
-Data go to standard output, all else to standard error. NO_COLOR is respected.";
+Exit codes:
+  0    done and, if something was checked, in order
+  1    a check failed: hits or pictures differ, a bound is exceeded, shards are missing
+  2    bad usage or bad input
+  3    input or output failed
+  130  interrupted (SIGINT or SIGTERM): files are whole, not there, or have `.partial` in their names
+`run-under` ends with the exit code of its program.
+
+Data go to standard output, all else to standard error. Progress and colour are for terminals alone; NO_COLOR and TERM=dumb \
+are respected. The JSON of every verb is described in docs/json.md.";
 
 /// Grid ray-tracing accelerators next to BVHs in one path tracer, and a validator against POV-Ray and Mitsuba.
 #[derive(Debug, Parser)]
-#[command(name = "skipgrid", version, after_help = EXAMPLES, max_term_width = 110)]
+#[command(name = "skipgrid", version, after_help = DETAILS, max_term_width = 110)]
 struct Program {
     #[command(subcommand)]
     verb: Verb,
@@ -58,6 +78,38 @@ struct Program {
     /// Print errors only; data still go to standard output
     #[arg(long, short, global = true)]
     quiet: bool,
+}
+
+/// The command line as it is parsed and described.
+fn command() -> Command {
+    let command = with_negative_numbers(Program::command());
+    let template =
+        format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}{{options}}{{after-help}}", groups(&command));
+    command.help_template(template)
+}
+
+/// `--rays -5` is a number that is refused with its reason, not an option that nobody knows.
+fn with_negative_numbers(command: Command) -> Command {
+    let values = |arg: clap::Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
+    command.mut_args(values).mut_subcommands(with_negative_numbers)
+}
+
+/// The verbs under the headings of [`GROUPS`], and the heading of the options.
+fn groups(command: &Command) -> String {
+    let style = command.get_styles();
+    let (header, literal) = (style.get_header(), style.get_literal());
+    let mut text = String::new();
+    for (heading, names) in GROUPS {
+        text += &format!("{header}{heading}:{header:#}\n");
+        for name in *names {
+            let verb = command.find_subcommand(name);
+            let about =
+                verb.and_then(Command::get_about).map_or("Print this or a verb's help".into(), ToString::to_string);
+            text += &format!("  {literal}{name:<11}{literal:#}  {about}\n");
+        }
+        text += "\n";
+    }
+    text + &format!("{header}Options:{header:#}\n")
 }
 
 #[derive(Debug, Subcommand)]
@@ -97,9 +149,21 @@ enum Outcome {
     OfProgram(u8),
 }
 
+impl Outcome {
+    /// Of a measurement whose answers or pictures must be `identical`.
+    fn of(identical: bool, interrupted: bool) -> Self {
+        match (identical, interrupted) {
+            (false, _) => Self::CheckFailed,
+            (true, true) => Self::Interrupted,
+            (true, false) => Self::Done,
+        }
+    }
+}
+
 /// Runs the program on its command line and prints what goes wrong.
 pub fn main() -> ExitCode {
-    let program = match Program::try_parse() {
+    let parsed = command().try_get_matches().and_then(|matches| Program::from_arg_matches(&matches));
+    let program = match parsed {
         Ok(program) => program,
         Err(message) => {
             // Help and usage go where clap sends them; a closed pipe is no reason to fail.
@@ -145,10 +209,19 @@ pub fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {
-        Program::command().debug_assert();
+        command().debug_assert();
+    }
+
+    #[test]
+    fn every_verb_is_in_one_group() {
+        let (program, mut grouped) = (command(), Vec::<&str>::new());
+        GROUPS.iter().for_each(|(_, names)| grouped.extend(*names));
+        let mut verbs: Vec<&str> = program.get_subcommands().map(Command::get_name).chain(["help"]).collect();
+        verbs.sort();
+        grouped.sort();
+        assert_eq!(grouped, verbs);
     }
 }

@@ -4,7 +4,7 @@ mod forms;
 
 use super::Outcome;
 use super::console::Console;
-use super::input::check_folder;
+use super::input::{check_file, parse_positive};
 use crate::error::Result;
 use crate::papers::{
     Report, amanatides_woo, arvo, dda, exactness, newton_seeds, semwal_kvarnstrom, shadow_voxels, spd,
@@ -46,6 +46,9 @@ enum Paper {
 
 /// Amanatides & Woo 1987: tests per ray with and without rayID, time against subdivision
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers amanatides-woo --quick\n  skipgrid papers amanatides-woo --grids 8,16,32 --svg subdivision.svg"
+)]
 struct AmanatidesWoo {
     /// Subdivisions of each axis; the paper's own come on top (1 to 128)
     #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
@@ -57,6 +60,9 @@ struct AmanatidesWoo {
 
 /// Arvo 1988: nodes and leaves of rays through octrees, linear walks against re-traversal
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers arvo --quick\n  skipgrid papers arvo --grids 4,64,1024 --scene flakes"
+)]
 struct Arvo {
     /// Leaves on each axis of the complete trees, powers of two (4 to 1024)
     #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
@@ -80,6 +86,9 @@ struct Arvo {
 
 /// Amanatides & Woo 1987, last section: bicubic patches by Newton's method with starting points in the voxels
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers newton-seeds --quick\n  skipgrid papers newton-seeds --grids 8,32 --meshes 16 -o seeds.json"
+)]
 struct NewtonSeeds {
     /// Voxels on each axis (4,8,16,32,64)
     #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
@@ -95,6 +104,9 @@ struct NewtonSeeds {
 
 /// Semwal & Kvarnstrom 1997: skip methods on four scenes, three views, three grid sizes
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers semwal-kvarnstrom --quick\n  skipgrid papers semwal-kvarnstrom --grids 32,64 --accel grid-dsz --accel grid-dual"
+)]
 struct SemwalKvarnstrom {
     /// Voxels on each axis (32,64,128)
     #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = grid())]
@@ -114,6 +126,9 @@ struct SemwalKvarnstrom {
 
 /// Amanatides & Woo 1987, last section: two bits a light and voxel that spare shadow rays
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers shadow-voxels --quick\n  skipgrid papers shadow-voxels --scene flakes -o shadow.csv"
+)]
 struct ShadowVoxels {
     /// Scene, a file or one made by formula; give it once for each (seven made by formula)
     #[arg(long = "scene", value_name = "S")]
@@ -125,6 +140,9 @@ struct ShadowVoxels {
 
 /// Haines' Standard Procedural Databases over all accelerators
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers spd --quick\n  skipgrid papers spd --format markdown -o spd.md --svg spd.svg"
+)]
 struct Spd {
     /// Accelerator, with options; give it once for each (all); the plain grid always comes first
     #[arg(long = "accel", value_name = "A")]
@@ -135,7 +153,7 @@ struct Spd {
     scenes: Vec<String>,
 
     /// Voxels a primitive, of grids that do not set it
-    #[arg(long, value_name = "F", default_value_t = 20.0)]
+    #[arg(long, value_name = "F", default_value_t = 20.0, value_parser = parse_positive)]
     density: f64,
 
     #[command(flatten)]
@@ -144,6 +162,9 @@ struct Spd {
 
 /// The article on branchless DDA: solid voxels, branching and branchless, plain and with each skip table
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers dda --quick\n  skipgrid papers dda --scene voxel-terrain:n=64 --rounds 9"
+)]
 struct Dda {
     /// Scene of solid voxels, a .vox or .npy file or one made by formula; give it once for each (voxel-terrain of two sizes)
     #[arg(long = "scene", value_name = "S")]
@@ -155,6 +176,9 @@ struct Dda {
 
 /// Our own claim: what exact answers cost against plain tests, and errors against run time
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  skipgrid papers exactness --quick --no-peers\n  skipgrid papers exactness --scene bumpy:n=64 --rays 1000"
+)]
 struct Exactness {
     /// Scene of triangles, a file or one made by formula; give it once for each (six made by formula)
     #[arg(long = "scene", value_name = "S")]
@@ -228,9 +252,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         | Paper::Exactness(Exactness { common, .. })
         | Paper::Dda(Dda { common, .. }) => common,
     };
-    for file in common.output.iter().chain(&common.svg) {
-        check_folder(file)?;
-    }
+    common.output.iter().chain(&common.svg).try_for_each(|file| check_file(file))?;
     let report = measure(&args.paper, common, console)?;
 
     let svg = common.svg.as_deref();
@@ -270,12 +292,8 @@ impl Form {
 }
 
 fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> {
-    let bar = console.progress(1);
-    let watch = |done: usize, all: usize, next: &str| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-        bar.set_message(next.to_string());
-    };
+    let progress = console.progress("");
+    let watch = |done: usize, all: usize, next: &str| progress.at(done as u64, all as u64, next);
     let quick = common.quick;
     let size = common.size.unwrap_or(if quick { 48 } else { 192 });
     let rounds = common.rounds.unwrap_or(if quick { 1 } else { 5 });
@@ -289,7 +307,7 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
         _ => given.to_vec(),
     };
     let methods: &[&str] = &semwal_kvarnstrom::METHODS;
-    let report = match paper {
+    match paper {
         Paper::AmanatidesWoo(args) => {
             let grids = or(&args.grids, &[1, 2, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128], &[2, 4, 8]);
             amanatides_woo::run(&amanatides_woo::Options { size, rounds, grids }, &watch)
@@ -333,7 +351,5 @@ fn measure(paper: &Paper, common: &Common, console: &Console) -> Result<Report> 
             let rays = args.rays.unwrap_or(if quick { 300 } else { 10_000 });
             exactness::run(&exactness::Options { size, rounds, scenes, rays, peers: !args.no_peers }, &watch)
         }
-    };
-    bar.finish_and_clear();
-    report
+    }
 }

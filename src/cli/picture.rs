@@ -21,7 +21,7 @@ pub struct PictureArgs {
 
     /// What is computed for each pixel
     #[arg(long, value_enum)]
-    pub integrator: Option<IntegratorName>,
+    pub integrator: Option<Integrator>,
 
     /// Columns and rows of the whole picture
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -55,35 +55,6 @@ pub struct PictureArgs {
     /// Worker threads; default: as many as there are cores
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum IntegratorName {
-    /// Path tracing with next-event estimation and multiple importance sampling
-    Path,
-    /// Whitted 1980: lights without extent, mirrors, full Fresnel split, no random numbers
-    Whitted,
-    /// Distance to the first hit
-    Depth,
-    /// Shading normal
-    Normal,
-    /// A colour for each primitive
-    Prim,
-    /// Heat map of the accelerator's work
-    Steps,
-}
-
-impl IntegratorName {
-    fn integrator(self) -> Integrator {
-        match self {
-            IntegratorName::Path => Integrator::Path,
-            IntegratorName::Whitted => Integrator::Whitted,
-            IntegratorName::Depth => Integrator::Depth,
-            IntegratorName::Normal => Integrator::Normal,
-            IntegratorName::Prim => Integrator::Prim,
-            IntegratorName::Steps => Integrator::Steps,
-        }
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -127,10 +98,9 @@ impl PictureArgs {
     pub fn settings(&self, wish: &RenderDefaults, name: &str) -> Result<Settings> {
         let default = Settings::default();
         let integrator = match (&self.integrator, wish.integrator.as_deref()) {
-            (Some(name), _) => name.integrator(),
-            (None, Some(wanted)) => <IntegratorName as clap::ValueEnum>::from_str(wanted, true)
-                .map_err(|_| Error::invalid(format!("{name}: integrator `{wanted}` is unknown")))?
-                .integrator(),
+            (Some(asked), _) => *asked,
+            (None, Some(wanted)) => <Integrator as clap::ValueEnum>::from_str(wanted, true)
+                .map_err(|_| Error::invalid(format!("{name}: integrator `{wanted}` is unknown")))?,
             (None, None) => default.integrator,
         };
         let regular = match self.sampler {

@@ -17,7 +17,7 @@ Examples:
   parallel --joblog log < plan.txt
   skipgrid merge parts -o cornell.exr";
 
-/// Print the commands that render a picture in shards, one a line, for GNU parallel, xargs, Slurm or any other runner
+/// Print the commands that render a picture in shards, one a line, for any runner of commands
 #[derive(Debug, clap::Args)]
 #[command(after_help = DETAILS)]
 pub struct Args {

@@ -1,7 +1,8 @@
 //! `skipgrid render`: a picture of a scene.
 
 use super::console::Console;
-use super::input::{check_picture, note_camera};
+use super::input::{build, check_picture, note_camera};
+use super::outputs::partial;
 use super::picture::{Choice, PictureArgs};
 use super::{Outcome, interrupt};
 use crate::error::Result;
@@ -41,19 +42,15 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let settings = picture.settings(&scene.defaults, &scene.name)?;
     let spec = picture.accelerator(&scene, &settings, console)?;
     let start = Instant::now();
-    let accel = scene.accel(&spec)?;
+    let accel = build(&scene, &spec, console)?;
     let build = start.elapsed().as_secs_f64();
 
-    let bar = console.progress(1);
-    bar.set_message("rendering");
+    let progress = console.progress("rendering");
     let start = Instant::now();
-    let progress = |done: usize, all: usize| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    };
-    let rendered = render_until(&scene, &*accel, &settings, &progress, interrupt::request());
-    bar.finish_and_clear();
-    let Unfinished { film, finished } = rendered?;
+    let watch = |done: usize, all: usize| progress.at(done as u64, all as u64, "rendering");
+    let rendered = render_until(&scene, &*accel, &settings, &watch, interrupt::request())?;
+    drop(progress);
+    let Unfinished { film, finished } = rendered;
     let seconds = start.elapsed().as_secs_f64();
 
     let attributes = picture.attributes(&spec, &settings);
@@ -92,9 +89,7 @@ fn keep_partial(out: &Path, film: &Film, finished: u64, attributes: Attributes, 
         console.note(format!("{}: no pixel was finished, nothing is written", out.display()));
         return Ok(Outcome::Interrupted);
     }
-    // The name was checked to have an extension.
-    let extension = out.extension().unwrap_or_default().to_string_lossy();
-    let file = out.with_extension(format!("partial.{extension}"));
+    let file = partial(out);
     let (pixels, samples) = (film.sum.len(), film.samples);
     let state = format!("{finished} of {pixels} pixels have all their {samples} samples, the others are black");
     io::write(&file, &film.picture(), &attributes.with(PARTIAL, &state))?;

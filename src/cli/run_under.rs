@@ -86,12 +86,12 @@ fn run_here(_: &Args, _: &Console) -> Result<Outcome> {
 
 #[cfg(target_os = "linux")]
 fn run_here(args: &Args, console: &Console) -> Result<Outcome> {
-    use crate::cli::input::check_folder;
+    use crate::cli::input::check_file;
     use std::os::unix::process::ExitStatusExt;
 
     let [name, rest @ ..] = args.command.as_slice() else { unreachable!("the command line requires a program") };
     if let Some(file) = &args.report {
-        check_folder(file)?;
+        check_file(file)?;
     }
     let program = program::find(name)?;
     let links = find_links(args, &program)?;
@@ -101,7 +101,7 @@ fn run_here(args: &Args, console: &Console) -> Result<Outcome> {
 
     let (status, text) = start::run(program.path.as_os_str(), rest, &args.accel, &swaps)?;
     if let Some(file) = &args.report {
-        append(file, &text)?;
+        append(file, &report::lines(&text))?;
     }
     let report = report::Report::parse(&text);
     if report.unread > 0 {

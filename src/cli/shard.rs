@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::console::Console;
+use super::input::{build, check_file};
 use super::picture::{PictureArgs, parse_crop};
 use crate::error::{Error, Result};
 use crate::render::{Crop, RenderStats, render_part};
@@ -12,7 +13,11 @@ use std::path::{Path, PathBuf};
 const DETAILS: &str = "\
 `skipgrid plan` prints these commands. The options are those of `render` for the whole picture; --spp is the number of all \
 samples, of which --samples are made here. A whole shard of the same picture under the name OUT is left as it is, and the \
-command is done; a damaged one is made anew. The file appears whole or not at all.";
+command is done; a damaged one is made anew. The file appears whole or not at all.
+
+Examples:
+  skipgrid shard cornell --spp 16 --tile 0,0,256,512 --samples 0..8 -o parts/a.shard.exr
+  skipgrid shard cornell --spp 16 --tile 0,0,256,512 --samples 8..16 -o parts/b.shard.exr";
 
 /// Render a shard of a picture: exact sums of some samples of some pixels, for `skipgrid merge`
 #[derive(Debug, clap::Args)]
@@ -70,17 +75,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let Some(folder) = args.out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
     }
-    let accel = scene.accel(&spec)?;
-    let bar = console.progress(1);
-    bar.set_message("rendering");
-    let progress = |done: usize, all: usize| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    };
+    check_file(&args.out)?;
+    let accel = build(&scene, &spec, console)?;
+    let progress = console.progress("rendering");
+    let watch = |done: usize, all: usize| progress.at(done as u64, all as u64, "rendering");
     let settings = crate::render::Settings { crop: Some(*tile), ..whole };
-    let part = render_part(&scene, &*accel, &settings, samples.clone(), &progress);
-    bar.finish_and_clear();
-    let part = part?;
+    let part = render_part(&scene, &*accel, &settings, samples.clone(), &watch)?;
+    drop(progress);
     let mut rays = RenderStats::default();
     part.iter().for_each(|(_, film)| rays += film.stats);
     shards::write(&args.out, &Shard { job, place: place.clone(), part })?;

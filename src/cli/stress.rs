@@ -4,12 +4,12 @@ mod forms;
 
 use super::Outcome;
 use super::console::{Console, Format};
-use super::input::check_folder;
+use super::document::document;
+use super::outputs::{Extent, Forms, Outputs};
 use super::table::Table;
 use crate::error::Result;
-use crate::picture::io::replace_file;
 use crate::stress::cases::{FAMILIES, Selection, select};
-use crate::stress::{Options, Study, contenders, page, run as run_cases};
+use crate::stress::{Options, contenders, page, run as run_cases};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -48,21 +48,12 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(..=1000))]
     rounds: u32,
 
-    /// Where a table with a line for each case and accelerator goes
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-
-    /// Where everything goes as one JSON object
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: Outputs,
 
     /// Where a self-contained HTML page goes
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-
-    /// Form of the output
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
 
     /// List the cases and do nothing
     #[arg(long)]
@@ -73,44 +64,29 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let selection = select(&args.cases)?;
     if args.list {
-        list(args.format, &selection, console)?;
+        list(args.outputs.format, &selection, console)?;
         return Ok(Outcome::Done);
     }
-    for file in args.csv.iter().chain(&args.json).chain(&args.html) {
-        check_folder(file)?;
-    }
+    args.outputs.check(args.html.as_deref())?;
     let contenders = contenders(&args.accels)?;
-    let bar = console.progress((selection.cases.len() + selection.walks.len()) as u64);
-    let progress = |done: usize, _: usize, stage: &str| {
-        bar.set_position(done as u64);
-        bar.set_message(stage.to_string());
-    };
+    let progress = console.progress("");
+    let watch = |done: usize, all: usize, stage: &str| progress.at(done as u64, all as u64, stage);
     // Panics of accelerators are counted, not printed.
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
-    let study = run_cases(&selection, &contenders, &Options { rays: args.rays, rounds: args.rounds }, &progress);
+    let study = run_cases(&selection, &contenders, &Options { rays: args.rays, rounds: args.rounds }, &watch);
     std::panic::set_hook(hook);
-    bar.finish_and_clear();
+    drop(progress);
 
-    match args.format {
-        Format::Text => console.data(&forms::text(&study))?,
-        Format::Csv => console.data(&forms::csv(&study))?,
-        Format::Json => console.json(&forms::json(&study))?,
-    }
-    write_files(args, &study, console)?;
-    Ok(if study.passed() { Outcome::Done } else { Outcome::CheckFailed })
-}
-
-fn write_files(args: &Args, study: &Study, console: &Console) -> Result<()> {
-    let write = |file: &Option<PathBuf>, form: fn(&Study) -> String| -> Result<()> {
-        let Some(file) = file else { return Ok(()) };
-        replace_file(file, form(study).as_bytes())?;
-        console.note(format!("written: {}", file.display()));
-        Ok(())
+    let forms = Forms {
+        text: &|| forms::text(&study),
+        csv: &|| forms::csv(&study),
+        json: &|| forms::json(&study),
+        shown: (args.html.as_deref(), &|| page(&study)),
     };
-    write(&args.csv, forms::csv)?;
-    write(&args.json, |study| format!("{:#}\n", forms::json(study)))?;
-    write(&args.html, page)
+    // An interrupt ends the program before it comes here.
+    args.outputs.write(&forms, Extent::Whole, console)?;
+    Ok(if study.passed() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
 /// Prints the table of the chosen cases.
@@ -124,7 +100,7 @@ fn list(format: Format, selection: &Selection, console: &Console) -> Result<()> 
         let walks =
             selection.walks.iter().map(|c| json!({ "family": "walks", "case": c.name, "resolution": c.resolution }));
         let all: Vec<_> = cases.chain(walks).collect();
-        return console.json(&json!({ "version": env!("CARGO_PKG_VERSION"), "cases": all }));
+        return console.json(&document("skipgrid.stress-list/1", json!({ "cases": all })));
     }
     let mut table = Table::new(&["<family", "<case", "<summary", "<rays"]);
     for case in &selection.cases {

@@ -4,11 +4,12 @@ mod forms;
 mod plot;
 
 use super::console::Console;
-use super::input::{SceneArgs, note_camera, parse_size};
-use super::outputs::{Forms, Outputs};
+use super::input::{RayArgs, SceneArgs, note_camera, parse_positive, parse_size};
+use super::outputs::{Extent, Forms, Outputs};
 use super::{Outcome, interrupt};
 use crate::error::Result;
-use crate::measure::{RayOptions, Sweep, SweepOptions, matching, sweep};
+use crate::measure::{Sweep, SweepOptions, matching, sweep};
+use std::path::PathBuf;
 
 const DETAILS: &str = "\
 Swept are, where an accelerator has the option and --accel does not set it: density (voxels for each primitive), threshold (the \
@@ -25,7 +26,7 @@ Examples:
   skipgrid sweep room.glb --accel grid --accel nested --densities 0.5,2,8
   skipgrid sweep bunny.obj --accel 'grid*' --rounds 9 --format csv";
 
-/// Sweep resolution, skip method, least leap, mailbox and leaf size: time, work, bytes and builds of every setting
+/// Sweep the options of accelerators over their ranges: time, work, bytes and builds of every setting
 #[derive(Debug, clap::Args)]
 #[command(after_help = DETAILS)]
 pub struct Args {
@@ -37,73 +38,51 @@ pub struct Args {
     accels: Vec<String>,
 
     /// Voxels for each primitive
-    #[arg(long, value_name = "F,F,..", value_delimiter = ',', default_values_t = SweepOptions::default().densities, value_parser = parse_density)]
+    #[arg(long, value_name = "F,F,..", value_delimiter = ',', default_values_t = SweepOptions::default().densities, value_parser = parse_positive)]
     densities: Vec<f64>,
 
-    /// Timed rounds
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    rounds: u32,
+    #[command(flatten)]
+    traced: RayArgs,
 
     /// Film that camera rays go through
     #[arg(long, value_name = "WxH", default_value = "64x64", value_parser = parse_size)]
     size: (u32, u32),
 
-    /// Most rays of a kind; of a larger film every so-many-th pixel is taken
-    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..))]
-    max_rays: u32,
-
-    /// Same seed, same rays
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
-
     #[command(flatten)]
     outputs: Outputs,
+
+    /// Where the plot goes
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
 }
 
 /// Measures and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.outputs.check()?;
+    args.outputs.check(args.svg.as_deref())?;
     let specs: Vec<String> = matching(&args.accels)?.iter().map(|accel| args.scene.spec(accel)).collect();
     let scene = args.scene.load(console)?;
     note_camera(&scene, console);
-    let (width, height) = args.size;
-    let rays = RayOptions { width, height, seed: args.seed, max_rays: args.max_rays as usize };
-    let options = SweepOptions { densities: args.densities.clone(), rounds: args.rounds, rays };
+    let (rounds, rays) = (args.traced.rounds, args.traced.of_film(args.size));
+    let options = SweepOptions { densities: args.densities.clone(), rounds, rays };
 
-    let bar = console.progress(1);
-    let progress = |done: usize, all: usize, stage: &str| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-        bar.set_message(stage.to_string());
-    };
-    let result = sweep(&scene, &specs, &options, &progress, interrupt::request());
-    bar.finish_and_clear();
-    let result = result?;
+    let progress = console.progress("");
+    let watch = |done: usize, all: usize, stage: &str| progress.at(done as u64, all as u64, stage);
+    let result = sweep(&scene, &specs, &options, &watch, interrupt::request())?;
+    drop(progress);
     report(args, &result, console)?;
-    Ok(match () {
-        () if !result.identical() => Outcome::CheckFailed,
-        () if result.interrupted => Outcome::Interrupted,
-        () => Outcome::Done,
-    })
+    Ok(Outcome::of(result.identical(), result.interrupted))
 }
 
 fn report(args: &Args, result: &Sweep, console: &Console) -> Result<()> {
     for (spec, reason) in &result.left_out {
         console.note(format!("{spec} is left out: {reason}"));
     }
-    let scene = &args.scene.scene;
+    let (scene, rounds) = (&args.scene.scene, args.traced.rounds);
     let forms = Forms {
-        text: &|| forms::text(result, scene, args.rounds),
+        text: &|| forms::text(result, scene, rounds),
         csv: &|| forms::csv(result, scene),
-        json: &|| forms::json(result, scene, args.rounds),
-        svg: &|| plot::planes(result, scene, args.rounds).svg(),
+        json: &|| forms::json(result, scene, rounds),
+        shown: (args.svg.as_deref(), &|| plot::planes(result, scene, rounds).svg()),
     };
-    args.outputs.write(&forms, console)
-}
-
-fn parse_density(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("not a finite number above 0".into()),
-    }
+    args.outputs.write(&forms, Extent::of(result.interrupted, !result.settings.is_empty()), console)
 }

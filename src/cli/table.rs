@@ -64,6 +64,11 @@ pub fn short(value: f64) -> String {
     }
 }
 
+/// Every digit of `value`, for machines; nothing if there is none or it is not finite.
+pub fn exact(value: impl Into<Option<f64>>) -> String {
+    value.into().filter(|v| v.is_finite()).map_or(String::new(), |v| v.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

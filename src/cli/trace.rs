@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::console::Console;
-use super::input::{DEFAULT_ACCEL, SceneArgs, check_folder, choose};
+use super::input::{self, DEFAULT_ACCEL, SceneArgs, check_extension, choose};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::measure::npy;
@@ -20,7 +20,7 @@ unit: t counts in their length. A ray that is not finite, has no direction or ha
 Hits are N records [('t', '<f4'), ('prim', '<u4')]; a miss is inf and 0xffffffff. With --any: N bytes, 1 for a hit.
 For each --ray a line is printed: t as a number and as bits, the primitive, and whether the question for any hit found one.
 
-Example:
+Examples:
   python3 -c \"import numpy as np; np.save('rays.npy', np.array([[0,0,-5,0, 0,0,1,np.inf]], '<f4'))\"
   skipgrid trace mesh.obj --rays rays.npy --hits hits.npy
   python3 -c \"import numpy as np; print(np.load('hits.npy'))\"
@@ -73,7 +73,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
 fn trace_each(args: &Args, console: &Console) -> Result<()> {
     let scene = args.scene.load(console)?;
-    let accel = build(args, &scene, 2 * args.ray.len())?;
+    let accel = build(args, &scene, 2 * args.ray.len(), console)?;
     let mut text = String::new();
     for ray in &args.ray {
         let (hit, any) = (accel.closest_hit(ray), accel.any_hit(ray));
@@ -84,9 +84,9 @@ fn trace_each(args: &Args, console: &Console) -> Result<()> {
     console.data(&text)
 }
 
-fn build(args: &Args, scene: &Scene, rays: usize) -> Result<Box<dyn Accel>> {
+fn build(args: &Args, scene: &Scene, rays: usize, console: &Console) -> Result<Box<dyn Accel>> {
     let (spec, _) = choose(&args.scene.spec(&args.accel), scene, rays as f64)?;
-    scene.accel(&spec)
+    input::build(scene, &spec, console)
 }
 
 /// A ray from the words of an option's value.
@@ -112,20 +112,20 @@ fn parse_number(word: &str) -> std::result::Result<f32, String> {
 }
 
 fn trace_file(args: &Args, rays: &Path, hits: &Path, console: &Console) -> Result<()> {
-    check_folder(hits)?;
+    check_extension(hits, "an array of hits", "npy")?;
     let rays = read_rays(rays)?;
     let scene = args.scene.load(console)?;
-    let accel = build(args, &scene, rays.len())?;
+    let accel = build(args, &scene, rays.len(), console)?;
     let accel: &dyn Accel = &*accel;
 
     let start = Instant::now();
     let mut bytes = Vec::new();
     // Writing to memory cannot fail.
     let (hit, written) = if args.any {
-        let flags: Vec<bool> = rays.par_iter().map(|ray| accel.any_hit(ray)).collect();
+        let flags = each(&rays, console, |ray| accel.any_hit(ray));
         (flags.iter().filter(|&&flag| flag).count(), npy::write_flags(&mut bytes, &flags))
     } else {
-        let hits: Vec<_> = rays.par_iter().map(|ray| accel.closest_hit(ray)).collect();
+        let hits = each(&rays, console, |ray| accel.closest_hit(ray));
         (hits.iter().flatten().count(), npy::write_hits(&mut bytes, &hits))
     };
     written.map_err(|error| Error::io(hits, error))?;
@@ -133,6 +133,19 @@ fn trace_file(args: &Args, rays: &Path, hits: &Path, console: &Console) -> Resul
     replace_file(hits, &bytes)?;
     console.note(format!("{} rays, {hit} hit something, {seconds:.3} s", rays.len()));
     Ok(())
+}
+
+/// The answer to each ray, on all cores.
+fn each<T: Send>(rays: &[Ray], console: &Console, answer: impl Fn(&Ray) -> T + Sync) -> Vec<T> {
+    // Enough for all cores at a time.
+    const AT_ONCE: usize = 1 << 18;
+    let progress = console.progress("tracing");
+    let mut answers = Vec::with_capacity(rays.len());
+    for some in rays.chunks(AT_ONCE) {
+        progress.at(answers.len() as u64, rays.len() as u64, "tracing");
+        answers.par_extend(some.par_iter().map(&answer));
+    }
+    answers
 }
 
 /// Reads .npy or .rays, by extension.

@@ -1,7 +1,9 @@
 //! `skipgrid validate`: our pictures against those of POV-Ray and Mitsuba, or against any others of any scene.
 
 use super::console::{Console, Format};
-use super::input::{DEFAULT_ACCELS, SceneArgs, check_folder, note_camera};
+use super::document::document;
+use super::input::{DEFAULT_ACCELS, Method, SceneArgs, check_file, check_folder, note_camera};
+use super::outputs::partial;
 use super::{Outcome, interrupt};
 use crate::error::{Error, Result};
 use crate::measure::Machine;
@@ -11,8 +13,6 @@ use crate::scene::Scene;
 use crate::validate::{self, Environment, Options, Report, Theirs};
 use serde_json::json;
 use std::path::{Path, PathBuf};
-
-const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What marks a folder of reference pictures.
 const MANIFEST: &str = "manifest.toml";
@@ -66,7 +66,7 @@ pub struct Args {
         value_parser = clap::value_parser!(u32).range(2..=1 << 20))]
     theirs_renders: u32,
 
-    /// How --scene is rendered; default: as the scene says, else path
+    /// How --scene is rendered: path for pictures with noise, whitted for those without; default: as the scene says, else path
     #[arg(long, value_enum, requires = "theirs")]
     integrator: Option<Method>,
 
@@ -104,23 +104,13 @@ pub struct Args {
     format: Format,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Method {
-    /// Path tracing, for pictures with noise
-    Path,
-    /// Whitted 1980, for pictures without
-    Whitted,
-}
-
 /// Validates and prints.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.report.as_deref().map(check_report).transpose()?;
-    let bar = console.progress(1);
-    let progress = |done: usize, all: usize, next: &str| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-        bar.set_message(next.to_string());
-    };
+    args.pictures.as_deref().map(check_folder).transpose()?;
+    let scene = args.scene.as_ref().map(|name| load(name, console)).transpose()?;
+    let progress = console.progress("");
+    let watch = |done: usize, all: usize, next: &str| progress.at(done as u64, all as u64, next);
     let options = Options {
         threads: args.threads.map(|n| n as usize),
         replicates: args.replicates,
@@ -128,25 +118,22 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         reseeds: args.reseed,
         keep_pictures: args.report.is_some() || args.pictures.is_some(),
         count_steps: args.report.is_some(),
-        progress: Some(&progress),
+        progress: Some(&watch),
         stop: Some(interrupt::request()),
     };
-    let report = match &args.scene {
-        Some(name) => {
-            let source = SceneArgs { scene: name.clone(), drop_invalid: false, memory_budget: None };
-            let scene = source.load(console)?;
-            note_camera(&scene, console);
-            let theirs = theirs(args, &scene)?;
-            omissions(&scene, theirs.integrator).iter().for_each(|words| console.warn(words));
-            validate::against(&scene, &theirs, &args.accels, &options)
+    let report = match &scene {
+        Some(scene) => {
+            let theirs = theirs(args, scene)?;
+            omissions(scene, theirs.integrator).iter().for_each(|words| console.warn(words));
+            validate::against(scene, &theirs, &args.accels, &options)
         }
         None => {
             let folder = args.reference.clone().map_or_else(find_reference, Ok)?;
             validate::run(folder.join(MANIFEST), &args.cases, &args.accels, &options)
         }
-    };
-    bar.finish_and_clear();
-    let report = report?;
+    }?;
+    let environment = environment(&options);
+    drop(progress);
     if report.unfinished > 0 && report.entries.is_empty() {
         return Ok(Outcome::Interrupted);
     }
@@ -155,11 +142,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Format::Text => console.data(&format!("{report}\n"))?,
         Format::Csv => console.data(&report.csv())?,
         Format::Json => {
-            console.json(&json!({ "version": VERSION, "passed": report.passed(), "report": report }))?;
+            let body = json!({ "passed": report.passed(), "report": report });
+            console.json(&document("skipgrid.validate/1", body))?;
         }
     }
     if let Some(file) = &args.report {
-        let data = write_report(file, &report, &environment(&options))?;
+        let file = &if report.unfinished > 0 { partial(file) } else { file.clone() };
+        let data = write_report(file, &report, &environment)?;
         console.note(format!("report: {}, its numbers: {}", file.display(), data.display()));
     }
     if let Some(folder) = &args.pictures {
@@ -173,27 +162,35 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     })
 }
 
+/// The user's own scene.
+fn load(name: &str, console: &Console) -> Result<Scene> {
+    let source = SceneArgs { scene: name.to_string(), drop_invalid: false, memory_budget: None };
+    let scene = source.load(console)?;
+    note_camera(&scene, console);
+    Ok(scene)
+}
+
 /// Finds out before the work whether a page can be written and its numbers beside it.
 fn check_report(file: &Path) -> Result<()> {
     if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         let cause = "the page cannot end in .json: the file beside it does; such as report.html";
         return Err(Error::invalid(format!("--report {}: {cause}", file.display())));
     }
-    check_folder(file)
+    check_file(file)?;
+    check_file(&file.with_extension("json"))
 }
 
 /// Writes the page and, beside it, all that it says without its pictures; gives the name of the latter.
 fn write_report(file: &Path, report: &Report, environment: &Environment) -> Result<PathBuf> {
     let summary = report.summary();
-    let value = json!({
-        "version": VERSION,
+    let body = json!({
         "passed": report.passed(),
         "summary": summary.lines().collect::<Vec<_>>(),
         "environment": environment,
         "report": report,
     });
     let data = file.with_extension("json");
-    replace_file(&data, format!("{value:#}\n").as_bytes())?;
+    replace_file(&data, format!("{:#}\n", document("skipgrid.validate/1", body)).as_bytes())?;
     replace_file(file, report.html(environment).as_bytes())?;
     Ok(data)
 }
@@ -206,7 +203,7 @@ fn environment(options: &Options) -> Environment {
     };
     let words: Vec<String> = std::env::args_os().skip(1).map(word).collect();
     Environment {
-        program: format!("skipgrid {VERSION}"),
+        program: concat!("skipgrid ", env!("CARGO_PKG_VERSION")).to_string(),
         machine: Machine::this().to_string(),
         command: format!("skipgrid {}", words.join(" ")),
         threads: options.threads,
@@ -218,7 +215,8 @@ fn environment(options: &Options) -> Environment {
 /// The command line, then the scene's wishes, then the defaults.
 fn theirs(args: &Args, scene: &Scene) -> Result<Theirs> {
     let wish = &scene.defaults;
-    let whitted = args.integrator.map_or(wish.integrator.as_deref() == Some("whitted"), |m| m == Method::Whitted);
+    let integrator = Method::or_wish(args.integrator, wish.integrator.as_deref());
+    let whitted = integrator == Integrator::Whitted;
     let grid = match args.spp {
         Some(spp) if whitted && spp.isqrt().pow(2) != spp => {
             let cause = format!("--spp {spp} is no square number, which Whitted's method needs, such as 1, 4, 9, 16");
@@ -229,7 +227,7 @@ fn theirs(args: &Args, scene: &Scene) -> Result<Theirs> {
     Ok(Theirs {
         images: args.theirs.clone(),
         renders: args.theirs_renders,
-        integrator: if whitted { Integrator::Whitted } else { Integrator::Path },
+        integrator,
         grid,
         max_depth: args.max_depth.or(wish.max_depth).unwrap_or(Settings::default().max_depth),
     })

@@ -176,11 +176,7 @@ pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let _writing = WRITERS.read().unwrap_or_else(PoisonError::into_inner);
     let path = path.as_ref();
     let fail = |source| Error::io(path, source);
-    let target = match std::fs::metadata(path) {
-        Ok(meta) if !meta.is_file() => return Err(Error::malformed(path, "is no regular file, not overwritten")),
-        Ok(_) => std::fs::canonicalize(path).map_err(fail)?,
-        Err(_) => path.to_path_buf(),
-    };
+    let target = target_of(path)?;
     let (part, mut file) = new_beside(&target).map_err(fail)?;
     let written = file.write_all(bytes).and_then(|()| file.sync_all());
     // Some systems rename no open file.
@@ -190,6 +186,27 @@ pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
         let _ = std::fs::remove_file(&part);
         Error::io(path, source)
     })
+}
+
+/// Finds out whether [`replace_file`] could write `path` now, by making the new file and taking it away again.
+///
+/// # Errors
+/// As [`replace_file`], but for full disks.
+#[cfg(feature = "cli")]
+pub(crate) fn check_replaceable(path: &Path) -> Result<()> {
+    let _writing = WRITERS.read().unwrap_or_else(PoisonError::into_inner);
+    let target = target_of(path)?;
+    let (part, _) = new_beside(&target).map_err(|source| Error::io(path, source))?;
+    std::fs::remove_file(&part).map_err(|source| Error::io(path, source))
+}
+
+/// The file that `path` stands for, links followed.
+fn target_of(path: &Path) -> Result<PathBuf> {
+    match std::fs::metadata(path) {
+        Ok(meta) if !meta.is_file() => Err(Error::malformed(path, "is no regular file, not overwritten")),
+        Ok(_) => std::fs::canonicalize(path).map_err(|source| Error::io(path, source)),
+        Err(_) => Ok(path.to_path_buf()),
+    }
 }
 
 /// A file of our own beside `target`. A name that is taken is left alone: a process that was killed can have left it, or one

@@ -34,6 +34,7 @@ use tracer::{Stage, Tracer};
 
 /// What is computed for each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Integrator {
     /// Path tracing with next-event estimation and multiple importance sampling; compared with Mitsuba's `path`.
     Path,

@@ -25,9 +25,19 @@ pub enum Merged {
 /// samples of a pixel, or pixels without being of the same tile; the film does not fit into memory. All faults are named, up
 /// to ten.
 pub fn merge(files: &[PathBuf]) -> Result<Merged> {
+    merge_with(files, &|_, _, _| ())
+}
+
+/// As [`merge`]; calls `progress` before each stage with the stages done, all of them, and what comes next: each file is
+/// checked, then added.
+///
+/// # Errors
+/// As [`merge`].
+pub fn merge_with(files: &[PathBuf], progress: &dyn Fn(usize, usize, &str)) -> Result<Merged> {
     let mut faults = Faults::default();
     let mut there = Vec::new();
-    for file in files {
+    for (done, file) in files.iter().enumerate() {
+        progress(done, 2 * files.len(), &format!("checking {}", file.display()));
         match label(file) {
             Ok((job, place)) => there.push((file, job, place)),
             Err(error) => faults.add(error),
@@ -61,10 +71,14 @@ pub fn merge(files: &[PathBuf]) -> Result<Merged> {
     }
     let Crop { width, height, .. } = job.area;
     let mut film = Film::new(width, height, job.total)?;
+    let mut done = files.len();
+    let all = 2 * done;
     for ((y, x, height, width), files) in tiles {
         let tile = Crop { x, y, width, height };
         let mut part = Part::new();
         for file in &files {
+            progress(done, all, &format!("adding {}", file.display()));
+            done += 1;
             let shard = read(file)?;
             if shard.job != job || shard.place.tile != tile {
                 return Err(Error::malformed(file, "has changed while it was merged"));

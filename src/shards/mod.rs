@@ -12,7 +12,7 @@ mod plan;
 pub use cover::{Cover, cover};
 pub use digest::scene_digest;
 pub use file::{EXTENSION, Shard, check_size, label, read, write};
-pub use merge::{Merged, merge};
+pub use merge::{Merged, merge, merge_with};
 pub use plan::{MAX_SHARDS, places};
 
 use crate::picture::io::Attributes;

@@ -10,6 +10,7 @@ mod converge;
 mod exactness;
 mod export;
 mod fuzz;
+mod json;
 mod malformed;
 mod mesh_files;
 mod papers;

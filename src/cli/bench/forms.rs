@@ -2,7 +2,8 @@
 
 use crate::bench::{KINDS, Mean, SceneResult, Study, UNSUITED, figures};
 use crate::cli::compare::{difference, identity};
-use crate::cli::table::{Table, short};
+use crate::cli::document::measured;
+use crate::cli::table::{Table, exact, short};
 use crate::measure::{Rate, RayKind};
 use serde_json::{Value, json};
 
@@ -214,11 +215,6 @@ pub(super) fn csv(study: &Study) -> String {
     table.csv()
 }
 
-/// Every digit that matters; nothing if it is not finite.
-fn exact(value: f64) -> String {
-    if value.is_finite() { format!("{value}") } else { String::new() }
-}
-
 /// Everything.
 pub(super) fn json(study: &Study, subject: &str) -> Value {
     let pairs = |pairs: &[(String, String)], key: &str| -> Vec<Value> {
@@ -253,12 +249,7 @@ pub(super) fn json(study: &Study, subject: &str) -> Value {
         .iter()
         .map(|f| json!({ "figure": f.bar, "met": f.met, "numbers": f.numbers }))
         .collect();
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "cpu": study.machine.cpu,
-        "threads": study.machine.threads,
-        "code": study.machine.features,
-        "debug": study.machine.debug,
+    let body = json!({
         "rounds": study.options.rounds,
         "most_rays": study.options.rays,
         "seed": study.options.seed,
@@ -270,7 +261,8 @@ pub(super) fn json(study: &Study, subject: &str) -> Value {
         "figures": figures,
         "identical": study.identical(),
         "interrupted": study.interrupted,
-    })
+    });
+    measured("skipgrid.bench/1", &study.machine, body)
 }
 
 fn accelerator(study: &Study, scene: &SceneResult, row: usize) -> Value {

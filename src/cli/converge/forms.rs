@@ -1,6 +1,7 @@
 //! Error against run time as text, CSV and JSON.
 
-use crate::cli::table::{Table, short};
+use crate::cli::document::measured;
+use crate::cli::table::{Table, exact, short};
 use crate::converge::{Clock, Crossover, Curve, Point, Reach, Study};
 use crate::papers::report::significant as seconds;
 use serde_json::{Value, json};
@@ -190,11 +191,6 @@ fn all(study: &Study) -> impl Iterator<Item = (&Curve, &Point)> {
     study.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)))
 }
 
-/// All digits.
-fn exact(value: impl Into<Option<f64>>) -> String {
-    value.into().filter(|v| v.is_finite()).map_or(String::new(), |v| v.to_string())
-}
-
 /// One line for each curve and number of samples, all digits.
 pub(super) fn csv(study: &Study, scene: &str) -> String {
     let mut table = Table::new(&[
@@ -253,8 +249,7 @@ pub(super) fn json(study: &Study, scene: &str, targets: &[f64]) -> Value {
     let shots = study.equal_time.iter().map(|s| {
         json!({ "renderer": s.name, "samples": s.samples, "seconds": s.seconds, "mse": s.picture.as_ref().map(|_| s.mse) })
     });
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
+    let body = json!({
         "scene": scene,
         "primitives": study.primitives,
         "machine": study.machine.to_string(),
@@ -274,7 +269,8 @@ pub(super) fn json(study: &Study, scene: &str, targets: &[f64]) -> Value {
         "identical": study.identical(),
         "differences": study.differences.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "interrupted": study.interrupted,
-    })
+    });
+    measured("skipgrid.converge/1", &study.machine, body)
 }
 
 fn of_curve(study: &Study, curve: &Curve, targets: &[f64]) -> Value {

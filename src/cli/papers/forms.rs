@@ -1,5 +1,6 @@
 //! A paper's report as text, CSV, JSON or Markdown.
 
+use crate::cli::document::measured;
 use crate::cli::table::Table as Aligned;
 use crate::papers::{Cell, Report, Table};
 use serde_json::{Map, Value, json};
@@ -95,22 +96,16 @@ pub fn json(report: &Report) -> String {
         })
         .collect();
     let settings: Map<String, Value> = report.settings.iter().map(|(k, v)| (k.to_string(), json!(v))).collect();
-    let machine = &report.machine;
-    let whole = json!({
-        "version": env!("CARGO_PKG_VERSION"),
+    let body = json!({
         "paper": report.paper,
         "title": report.title,
-        "cpu": machine.cpu,
-        "threads": machine.threads,
-        "code": machine.features,
-        "debug": machine.debug,
         "settings": settings,
         "notes": report.notes,
         "claims": claims,
         "tables": report.tables.iter().map(table).collect::<Vec<_>>(),
         "wrong": report.wrong,
     });
-    format!("{whole:#}\n")
+    format!("{:#}\n", measured("skipgrid.papers/1", &report.machine, body))
 }
 
 /// A page; `svg` is shown if there is one, by its name alone: it lies beside the page.

@@ -2,6 +2,16 @@
 
 use serde_json::Value;
 
+/// What the library wrote, as documents of one line each; their version is the library's.
+pub fn lines(text: &str) -> String {
+    let objects = text.lines().filter_map(|line| serde_json::from_str(line).ok()).filter(Value::is_object);
+    let named = objects.map(|mut object: Value| {
+        object["schema"] = "skipgrid.run-under/1".into();
+        object
+    });
+    named.map(|object| format!("{object}\n")).collect()
+}
+
 /// The sums over all processes.
 #[derive(Debug, Default, PartialEq)]
 pub struct Report {
@@ -97,6 +107,13 @@ no report"#;
              once in 2 processes"
         );
         assert_eq!(report.errors().as_deref(), Some("2 errors were reported to the program: no curves; a null"));
+    }
+
+    #[test]
+    fn lines_name_their_form_and_what_is_none_is_left_out() {
+        let named = lines("{\"version\":\"0.0.1\",\"bytes\":3}\nno report\n7\n");
+        let value: Value = serde_json::from_str(&named).expect("one line of JSON");
+        assert_eq!(value, serde_json::json!({ "schema": "skipgrid.run-under/1", "version": "0.0.1", "bytes": 3 }));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! A stress test as text, CSV and JSON.
 
+use crate::cli::document::measured;
+use crate::cli::input::bits;
 use crate::cli::table::{Table, short};
-use crate::ray::Ray;
 use crate::stress::cases::{Case, FAMILIES};
 use crate::stress::{CaseResult, Outcome, Row, Study, Tally};
 use serde_json::{Value, json};
@@ -168,12 +169,6 @@ fn faults(study: &Study) -> String {
     if out.is_empty() { out } else { out + "\n" }
 }
 
-/// The ray as hexadecimal bits, in the order of ray files.
-fn bits(ray: &Ray) -> Vec<String> {
-    let (o, d) = (ray.origin, ray.direction);
-    [o.x, o.y, o.z, ray.t_min, d.x, d.y, d.z, ray.t_max].map(|x| format!("{:08x}", x.to_bits())).to_vec()
-}
-
 /// The counts of a tally by name, in the order of the CSV.
 fn counts(tally: &Tally) -> [(&'static str, u64); 15] {
     [
@@ -285,19 +280,15 @@ pub(super) fn json(study: &Study) -> Value {
         .iter()
         .map(|v| json!({ "bar": v.bar, "met": v.met, "decides": v.decides, "numbers": v.numbers }))
         .collect();
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "cpu": study.machine.cpu,
-        "threads": study.machine.threads,
-        "code": study.machine.features,
-        "debug": study.machine.debug,
+    let body = json!({
         "rays": study.rays,
         "rounds": study.rounds,
         "passed": study.passed(),
         "verdicts": verdicts,
         "cases": cases,
         "walks": walks,
-    })
+    });
+    measured("skipgrid.stress/1", &study.machine, body)
 }
 
 fn json_row(row: &Row) -> Value {

@@ -1,6 +1,7 @@
 //! A sweep as text, CSV and JSON.
 
-use crate::cli::table::{Table, short};
+use crate::cli::document::measured;
+use crate::cli::table::{Table, exact, short};
 use crate::measure::{Axis, Rate, Setting, Sweep};
 use serde_json::{Value, json};
 
@@ -86,11 +87,6 @@ fn name(setting: &Setting) -> String {
     setting.axis.map_or("the default".to_string(), |axis| format!("{}={}", axis.name(), setting.value))
 }
 
-/// All digits; nothing for what is not finite.
-fn exact(value: f64) -> String {
-    if value.is_finite() { value.to_string() } else { String::new() }
-}
-
 /// One line for each setting and kind of rays, all digits.
 pub(super) fn csv(sweep: &Sweep, scene: &str) -> String {
     let mut table = Table::new(&[
@@ -158,8 +154,7 @@ pub(super) fn json(sweep: &Sweep, scene: &str, rounds: u32) -> Value {
         .collect();
     let kinds: Vec<Value> =
         sweep.kinds.iter().map(|k| json!({ "rays": k.kind.name(), "count": k.rays, "hits": k.hits })).collect();
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
+    let body = json!({
         "scene": scene,
         "primitives": sweep.primitives,
         "machine": sweep.machine.to_string(),
@@ -172,7 +167,8 @@ pub(super) fn json(sweep: &Sweep, scene: &str, rounds: u32) -> Value {
         "identical": sweep.identical(),
         "differing": sweep.differing,
         "interrupted": sweep.interrupted,
-    })
+    });
+    measured("skipgrid.sweep/1", &sweep.machine, body)
 }
 
 fn of_setting(sweep: &Sweep, setting: &Setting) -> Value {

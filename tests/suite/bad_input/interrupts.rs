@@ -19,7 +19,23 @@ fn start(folder: &Path, args: &[&str]) -> Child {
         .expect("the program starts")
 }
 
+/// Waits until the program listens to signals, which Linux tells; elsewhere whoever sends waits long enough.
+fn await_listener(child: &Child) {
+    let (interrupt, end) = (1u64 << 1, 1u64 << 14);
+    for _ in 0..600 {
+        let Ok(status) = fs::read_to_string(format!("/proc/{}/status", child.id())) else { return };
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(u64::MAX);
+        if caught & interrupt != 0 && caught & end != 0 {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    panic!("the program does not listen");
+}
+
 fn send(signal: &str, child: &Child) {
+    await_listener(child);
     let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
     assert!(sent.success(), "the program has ended by itself");
 }
@@ -114,14 +130,15 @@ fn a_validation_reports_what_is_finished() {
     skipgrid_renders(&folder);
     // Hours of other seeds; the comparison itself takes a moment.
     let common = ["validate", "--scene", "cornell", "--theirs", "a.pfm", "b.pfm", "--accel", "grid", "--threads", "2"];
-    for seconds in [2, 8, 32] {
+    for seconds in [2, 8, 32, 64] {
         let args = [&common[..], &["--spp", "4", "--reseed", "10000", "--report", "r.html"]].concat();
         let child = start(&folder, &args);
         std::thread::sleep(Duration::from_secs(seconds));
         send("-INT", &child);
         let run = end(child);
         assert_eq!(run.code, Some(130), "{}", run.stderr);
-        if run.stdout.is_empty() {
+        // Too early for a comparison, or for one with other seeds.
+        if !run.stdout.contains("reseeded: ") {
             continue;
         }
         assert!(
@@ -129,10 +146,78 @@ fn a_validation_reports_what_is_finished() {
             "{}",
             run.stdout
         );
-        assert!(fs::read_to_string(folder.join("r.html")).expect("the report").contains("interrupted"));
+        assert!(fs::read_to_string(folder.join("r.partial.html")).expect("the report").contains("interrupted"));
+        let numbers = fs::read_to_string(folder.join("r.partial.json")).expect("its numbers");
+        let numbers: serde_json::Value = serde_json::from_str(&numbers).expect("JSON");
+        assert!(numbers["report"]["unfinished"].as_u64() > Some(0), "{numbers}");
+        assert_eq!(names(&folder), ["a.pfm", "b.pfm", "r.partial.html", "r.partial.json"]);
         return;
     }
-    panic!("no comparison in half a minute");
+    panic!("no comparison in a minute");
+}
+
+/// Measurements that take hours: an interrupt, sent later and later until something is finished, leaves what is finished
+/// under names of its own, whole, and the older file as it was.
+#[test]
+fn measurements_keep_what_is_finished() {
+    let folder = folder("measurements");
+    let files = ["--csv", "m.csv", "--json", "m.json", "--svg", "m.svg"];
+    // They listen between scenes and between options, of which each takes a second or so, and all together minutes.
+    let scenes: Vec<String> = (10..100).map(|n| format!("random:n={n}")).collect();
+    for (signal, verb) in [
+        ("-INT", format!("bench {} --accel brute --rays 64 --rounds 100", scenes.join(" "))),
+        ("-TERM", "sweep random:n=500 --accel grid --accel grid-* --size 8x8 --rounds 30".into()),
+        ("-INT", "converge cornell --accel grid --size 64x64 --spp 131072 --reference a.pfm".into()),
+    ] {
+        write(&folder, "a.pfm", [&b"PF\n64 64\n-1.0\n"[..], &[0; 64 * 64 * 12]].concat());
+        write(&folder, "m.csv", "the old one");
+        let args: Vec<&str> = verb.split(' ').chain(files).collect();
+        let kept = [1, 2, 4, 8, 16, 32].iter().find_map(|seconds| {
+            let child = start(&folder, &args);
+            std::thread::sleep(Duration::from_secs(*seconds));
+            send(signal, &child);
+            let run = end(child);
+            assert_eq!(run.code, Some(130), "{verb}: {}", run.stderr);
+            assert_eq!(fs::read(folder.join("m.csv")).expect("still there"), b"the old one");
+            let nothing = run.stderr.contains("nothing was finished, nothing is written");
+            assert_eq!(nothing, run.stdout.is_empty(), "{verb}: {}", run.stderr);
+            if nothing {
+                assert_eq!(names(&folder), ["a.pfm", "m.csv"], "{verb}");
+            }
+            (!nothing).then_some(run)
+        });
+        let run = kept.unwrap_or_else(|| panic!("{verb}: nothing in half a minute"));
+        assert!(run.stderr.contains("written: m.partial.json"), "{verb}: {}", run.stderr);
+        assert_eq!(names(&folder), ["a.pfm", "m.csv", "m.partial.csv", "m.partial.json", "m.partial.svg"]);
+        let read = |name: &str| fs::read_to_string(folder.join(name)).expect("whole");
+        let numbers: serde_json::Value = serde_json::from_str(&read("m.partial.json")).expect("JSON");
+        assert_eq!(numbers["interrupted"], true);
+        let widths: Vec<usize> = read("m.partial.csv").lines().map(|line| line.split(',').count()).collect();
+        assert!(widths.len() > 1 && widths.iter().all(|n| *n == widths[0]), "{verb}: {widths:?}");
+        assert!(read("m.partial.svg").trim_end().ends_with("</svg>"), "{verb}");
+        ["m.partial.csv", "m.partial.json", "m.partial.svg"].iter().for_each(|name| {
+            fs::remove_file(folder.join(name)).expect("there");
+        });
+    }
+}
+
+/// Verbs that keep nothing: the signal ends them, and no file is there.
+#[test]
+fn other_verbs_leave_no_file() {
+    let folder = folder("nothing");
+    for (signal, verb) in [
+        ("-TERM", "stress --accel brute --rays 100000000 --csv m.csv --json m.json --html m.html"),
+        ("-INT", "papers spd --rounds 1000 -o m.json --svg m.svg"),
+        ("-TERM", "shard cornell --size 1000x1000 --spp 4096 --tile 0,0,1000,1000 --samples 0..4096 -o m.shard.exr"),
+    ] {
+        let child = start(&folder, &verb.split(' ').collect::<Vec<_>>());
+        std::thread::sleep(Duration::from_secs(1));
+        send(signal, &child);
+        let run = end(child);
+        assert_eq!(run.code, Some(130), "{verb}: {}", run.stderr);
+        assert!(run.stdout.is_empty() && run.stderr.contains("interrupted"), "{verb}: {}", run.stderr);
+        assert_eq!(names(&folder), [""; 0], "{verb}");
+    }
 }
 
 /// Two small renders of `cornell`, `a.pfm` and `b.pfm`.

@@ -97,6 +97,29 @@ fn full_disks_and_read_only_folders_keep_the_old_file() {
     assert!(names(&folder.join("disk")).is_empty());
 }
 
+/// Hours of work are not begun for a file that cannot be written: the program ends at once.
+#[test]
+fn outputs_are_looked_at_before_the_work() {
+    let folder = folder("before");
+    fs::create_dir(folder.join("taken.x")).expect("the target folder is writable");
+    write(&folder, "a.pfm", [&b"PF\n1 1\n-1.0\n"[..], &[0; 12]].concat());
+    let before = names(&folder);
+    for line in [
+        "bench random:n=1000 --accel brute --rounds 1000",
+        "sweep random:n=100000 --rounds 1000",
+        "converge cornell --spp 131072 --size 1000x1000",
+        "stress --accel brute --rays 100000000",
+    ] {
+        for option in ["--csv", "--json"] {
+            let script = format!("timeout 60 \"$0\" {line} {option} taken.x");
+            shell(&folder, &script, &[]).refused(2, &["taken.x", "regular file"]);
+            let script = format!("timeout 60 \"$0\" {line} {option} a.pfm/x");
+            shell(&folder, &script, &[]).refused(3, &["a.pfm"]);
+        }
+    }
+    assert_eq!(names(&folder), before);
+}
+
 #[test]
 fn standard_output_may_be_full() {
     let folder = folder("stdout");
@@ -104,9 +127,34 @@ fn standard_output_may_be_full() {
         eprintln!("skipped: no /dev/full");
         return;
     }
-    for args in [&["list"][..], &["info", "cornell"], &["info", "cornell", "--format", "json"]] {
+    write(&folder, "a.pfm", [&b"PF\n1 1\n-1.0\n"[..], &[0; 12]].concat());
+    for args in [
+        "list",
+        "info cornell",
+        "info cornell --format json",
+        "plan cornell --size 8x8 --shards-in . -o a.exr",
+        "trace cornell --ray 1,2,3,4,5,6",
+        "compare random:n=5 --size 4x4 --rounds 1",
+        "bench --list",
+        "bench random:n=5 --accel brute --rays 9 --rounds 1 --json bench.json",
+        "sweep random:n=5 --accel brute --size 4x4 --rounds 1",
+        "converge cornell --accel grid --size 4x4 --spp 2",
+        "stress --list",
+        "stress wt_sphere_rand --accel brute --rays 9 --rounds 0",
+        "papers dda --quick --size 8",
+        "diff a.pfm a.pfm",
+        "validate --scene cornell --theirs a.pfm --accel grid --spp 1",
+        "completions bash",
+        "man",
+    ] {
+        // A ray is one word.
+        let args: Vec<String> = args.split(' ').map(|word| word.replace("1,2,3,4,5,6", "1 2 3 4 5 6")).collect();
+        let args: &[&str] = &args.iter().map(String::as_str).collect::<Vec<_>>();
         shell(&folder, "exec \"$0\" \"$@\" >/dev/full", args).refused(3, &["standard output"]);
     }
+    // Nobody can read what was measured, but the file has it.
+    assert!(folder.join("bench.json").is_file());
+    ["bench.json", "a.pfm"].iter().for_each(|name| fs::remove_file(folder.join(name)).expect("there"));
     // A device is not overwritten, and what is no folder holds no file.
     shell(&folder, "ln -s /dev/full out.png; exec \"$0\" \"$@\"", &args("out.png", WRITERS[0].1))
         .refused(2, &["out.png", "regular file"]);
