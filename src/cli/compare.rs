@@ -6,7 +6,7 @@ use super::document::measured;
 use super::input::{ContenderArgs, RayArgs, bits, note_camera, parse_size};
 use super::table::{Table, short};
 use super::trace::read_rays;
-use crate::accel::Hit;
+use crate::accel::{Counts, Hit};
 use crate::error::Result;
 use crate::measure::{Comparison, Difference, Query, Rounds, compare_with};
 use serde_json::{Value, json};
@@ -145,12 +145,11 @@ fn rates(result: &Comparison, flat: bool) -> Table {
                     cells.push(short(rate.rays_per_second / 1e6));
                     cells.push(format!("{:.1}", 100.0 * rate.spread));
                     cells.push(short(rate.rays_per_second / first));
-                    // An accelerator that takes no step at all does not count them.
-                    let uncounted = rate.counts.steps == 0 && rate.counts.tests > 0;
-                    let walked = |n: u64| if uncounted { "-".to_string() } else { per_ray(n) };
-                    cells.push(walked(rate.counts.steps));
-                    cells.push(walked(rate.counts.leaps));
-                    cells.push(per_ray(rate.counts.tests));
+                    // An accelerator that takes no step at all does not count them, and one that makes no test either counts nothing.
+                    let Counts { steps, leaps, tests, .. } = rate.counts;
+                    let counted = |is: bool, n: u64| if is { per_ray(n) } else { "-".to_string() };
+                    cells.extend([steps, leaps].map(|n| counted(steps > 0, n)));
+                    cells.push(counted(steps > 0 || tests > 0, tests));
                 }
                 None => cells.extend(std::iter::repeat_n("-".to_string(), 6)),
             }
