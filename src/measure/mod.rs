@@ -2,6 +2,7 @@
 
 mod clock;
 mod compare;
+mod comparison;
 mod machine;
 pub mod npy;
 mod rays;
@@ -10,9 +11,8 @@ mod sweep;
 
 #[cfg(feature = "validate")]
 pub(crate) use clock::{process_seconds, wall_seconds};
-pub use compare::{
-    Build, Built, Comparison, Deviations, Difference, Kind, Rate, Rounds, Row, compare, compare_with, contest,
-};
+pub use compare::{Built, Rounds, compare, compare_with, contest};
+pub use comparison::{Build, Comparison, Deviations, Difference, Kind, Rate, Row};
 pub use machine::Machine;
 pub use rays::{Query, RayKind, RayOptions, RaySet, ray_sets};
 pub use sweep::{Axis, Final, Setting, Sweep, SweepOptions, matching, sweep};

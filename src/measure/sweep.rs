@@ -1,6 +1,7 @@
 //! One option of an accelerator after the other over its range: build, bytes, steps, tests and time.
 
-use super::compare::{Build, Built, Comparison, Difference, Kind, Rate, contest};
+use super::compare::{Built, contest};
+use super::comparison::{Build, Comparison, Difference, Kind, Rate};
 use super::machine::Machine;
 use super::rays::{RayOptions, ray_sets};
 use crate::error::{Error, Result};
