@@ -4,10 +4,10 @@ mod claims;
 mod published;
 mod tables;
 
-use super::Watch;
 use super::plot::{Line, Lines, Plot};
 use super::report::Report;
 use super::trace::{Asked, Cost, check, costs, pass, record, settings, thinned};
+use super::{Watch, rising};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::measure::Machine;
@@ -19,7 +19,7 @@ use published::{PUBLISHED, Published};
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the pictures.
+    /// Rows and columns of the pictures, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -37,7 +37,7 @@ struct Point {
 
 impl Point {
     fn tests(&self) -> [f64; 2] {
-        [self.off, self.on].map(|c| c.counts.tests as f64 / c.counts.rays as f64)
+        [self.off, self.on].map(|c| c.per_ray(c.counts.tests))
     }
 
     /// Tests without rayID over those with it.
@@ -72,9 +72,7 @@ pub fn run(options: &Options, watch: &Watch) -> Result<Report> {
         let (grids, rounds) = (options.grids.len(), options.rounds);
         return Err(Error::invalid(format!("nothing to measure: {grids} subdivisions, {rounds} rounds")));
     }
-    let mut grids = options.grids.clone();
-    grids.sort_unstable();
-    grids.dedup();
+    let grids = rising(&options.grids);
     let mut sweeps = Vec::new();
     for (i, published) in PUBLISHED.iter().enumerate() {
         watch(i, PUBLISHED.len(), published.scene);
@@ -87,11 +85,8 @@ fn sweep(published: &'static Published, grids: &[u32], options: &Options) -> Res
     let scene = Scene::new(procedural::parse(published.scene)?)?;
     let spec = |n: u32, mailbox: &str| format!("grid:resolution={n},mailbox={mailbox}");
     let asked = record(&scene, &scene.accel(&spec(published.subdivision, "off"))?, options.size)?;
-    let mut subdivisions = [grids, &[published.subdivision]].concat();
-    subdivisions.sort_unstable();
-    subdivisions.dedup();
     let mut points = Vec::new();
-    for n in subdivisions {
+    for n in rising(&[grids, &[published.subdivision]].concat()) {
         let [off, on] = [scene.accel(&spec(n, "off"))?, scene.accel(&spec(n, "on"))?];
         let references = off.memory().references / size_of::<u32>() as u64;
         let cost = costs(&asked, &[&*off, &*on], options.rounds);
@@ -156,11 +151,7 @@ fn report(options: &Options, grids: &[u32], sweeps: &[Sweep]) -> Report {
 fn plot(sweeps: &[Sweep]) -> Plot {
     let line = |s: &Sweep| Line {
         name: format!("{} objects", s.published.objects),
-        points: s
-            .points
-            .iter()
-            .map(|p| (f64::from(p.subdivision), 1e9 * p.off.seconds / p.off.counts.rays as f64))
-            .collect(),
+        points: s.points.iter().map(|p| (f64::from(p.subdivision), p.off.nanoseconds())).collect(),
     };
     Plot::Lines(Lines {
         title: "Time against subdivision".into(),

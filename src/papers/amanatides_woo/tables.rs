@@ -83,7 +83,7 @@ pub(super) fn subdivisions(sweeps: &[Sweep]) -> Table {
                 point.on.seconds.into(),
                 (100.0 * point.off.spread).into(),
                 point.objects_per_voxel.into(),
-                (point.off.counts.steps as f64 / point.off.counts.rays as f64).into(),
+                point.off.per_ray(point.off.counts.steps).into(),
                 off.into(),
                 on.into(),
                 point.gain().into(),

@@ -21,7 +21,7 @@ use errors::Study;
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the films that the rays of the scenes go through.
+    /// Rows and columns of the films that the rays of the scenes go through, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,

@@ -3,10 +3,10 @@
 mod claims;
 mod tables;
 
-use super::Watch;
 use super::plot::{Line, Lines, Plot};
 use super::report::Report;
 use super::trace::{Asked, Cost, Origin, ask, costs, pass, record, thinned};
+use super::{Watch, rising};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::geometry::bezier::{self, BezierPatches, Method, Tally};
@@ -22,7 +22,7 @@ use std::time::Instant;
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the picture.
+    /// Rows and columns of the picture, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -93,9 +93,7 @@ struct Form {
 /// # Errors
 /// No subdivision or one out of range, no round; a grid beyond its memory budget; the picture's size is 0.
 pub fn run(options: &Options, watch: &Watch) -> Result<Report> {
-    let mut grids = options.grids.clone();
-    grids.sort_unstable();
-    grids.dedup();
+    let grids = rising(&options.grids);
     if grids.is_empty() || options.rounds == 0 {
         let cause = format!("nothing to measure: {} subdivisions, {} rounds", grids.len(), options.rounds);
         return Err(Error::invalid(cause));
@@ -265,10 +263,7 @@ fn report(options: &Options, asked: &[Asked], points: &[Point], forms: &[Form]) 
 fn plot(points: &[Point]) -> Plot {
     let line = |(way, (name, ..)): (usize, &(&str, &str, Method))| Line {
         name: (*name).to_string(),
-        points: points
-            .iter()
-            .map(|p| (f64::from(p.grid), 1e9 * p.rows[way].cost.seconds / p.rows[way].cost.counts.rays as f64))
-            .collect(),
+        points: points.iter().map(|p| (f64::from(p.grid), p.rows[way].cost.nanoseconds())).collect(),
     };
     Plot::Lines(Lines {
         title: "Where a patch test begins".into(),

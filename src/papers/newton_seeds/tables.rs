@@ -27,15 +27,14 @@ pub(super) fn tests(points: &[Point]) -> Table {
         for ((name, ..), row) in WAYS.iter().zip(&point.rows) {
             let t = &row.tally;
             let each = |n: u64| n as f64 / t.tests as f64;
-            let rays = row.cost.counts.rays as f64;
             // Grids whose tests begin in the middle keep no seeds.
             let seeds = row.references - point.rows[1].references;
             table.row([
                 point.grid.into(),
                 (*name).into(),
-                (1e9 * row.cost.seconds / rays).into(),
+                row.cost.nanoseconds().into(),
                 (100.0 * row.cost.spread).into(),
-                (row.cost.counts.tests as f64 / rays).into(),
+                row.cost.per_ray(row.cost.counts.tests).into(),
                 each(t.iterations).into(),
                 each(t.runs).into(),
                 (1e3 * each(t.failures)).into(),

@@ -1,7 +1,7 @@
 //! Named spots over a plane with logarithmic scales, and a lane for zeros.
 
 use super::scale::Scale;
-use super::{Anchor, LETTER, Svg};
+use super::{Anchor, LETTER, MARGIN, Svg, key_width};
 use crate::papers::report::significant;
 
 /// A plane of spots: across from zero, which has a lane of its own, over a logarithmic scale; up a logarithmic scale.
@@ -50,14 +50,11 @@ impl Scatter {
     pub(super) fn svg(&self) -> String {
         let across = Scale::new(self.spots.iter().map(|s| s.x), LEFT, RIGHT);
         let up = Scale::new(self.spots.iter().map(|s| s.y), BOTTOM, TOP);
-        let mut svg = Svg::new(WIDTH, HEIGHT);
-        svg.text((20.0, 34.0), Anchor::Start, "title", &self.title);
-        svg.text((20.0, 54.0), Anchor::Start, "subtitle", &self.subtitle);
-        let mut key = 20.0;
+        let mut svg = Svg::headed(WIDTH, HEIGHT, &self.title, &self.subtitle);
+        let mut x = MARGIN;
         for (i, name) in self.series.iter().enumerate() {
-            svg.mark((key + 5.0, 74.0), i, name);
-            svg.text((key + 15.0, 78.0), Anchor::Start, "", name);
-            key += 33.0 + LETTER * name.chars().count() as f64;
+            svg.key((x, 66.0), i, name);
+            x += key_width(name);
         }
         self.frame(&mut svg, &across, &up);
 
