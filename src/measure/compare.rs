@@ -52,10 +52,26 @@ impl Built {
     }
 }
 
-/// Compares the accelerators that `specs` name on rays of `scene`; the first one is the measure of the others.
+/// Compares the accelerators that `specs` name on rays of `scene`; the first one that promises exact answers is the
+/// measure of the others.
 ///
 /// # Errors
-/// No accelerator or no round is asked for; one cannot be built; the film has no pixels.
+/// No accelerator or no round is asked for; one cannot be built; the film has no pixels; the rays do not fit into memory.
+///
+/// ```
+/// use skipgrid::measure::{RayOptions, Rounds, compare};
+/// use skipgrid::scene::{LoadOptions, load};
+///
+/// let scene = load("random:n=200", &LoadOptions::default())?;
+/// let rounds = Rounds { rounds: 1, rays: RayOptions { width: 16, height: 16, ..RayOptions::default() }, given: None };
+/// let comparison = compare(&scene, &["brute", "grid"], &rounds)?;
+/// assert!(comparison.identical());
+/// // Camera rays come first: 256 rays, 200 tests each without a grid.
+/// let tests = |row: usize| comparison.rows[row].rates[0].map(|rate| rate.counts.tests);
+/// assert_eq!(tests(0), Some(256 * 200));
+/// assert!(tests(1) < tests(0));
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
 pub fn compare<S: AsRef<str>>(scene: &Scene, specs: &[S], rounds: &Rounds) -> Result<Comparison> {
     compare_with(scene, specs, rounds, &|_| {})
 }

@@ -119,7 +119,7 @@ pub struct Build {
 pub struct Rate {
     /// Rays traced in a second of processor time: median of the rounds.
     pub rays_per_second: f64,
-    /// Half the distance between the fastest and the slowest round, as a share of the median.
+    /// Half the distance between the fastest and the slowest round, as a share of the median; 0 for one round.
     pub spread: f64,
     /// Work for the whole set; independent of the machine.
     pub counts: Counts,

@@ -1,14 +1,15 @@
 //! Which voxels the walks visit, against exact arithmetic: wrong ones, missed ones, lost length.
 //!
-//! A voxel is *missed* if a part of the ray longer than a point lies in it and the walk does not visit it; where the ray runs
-//! in a plane between voxels it suffices to visit those on one side. The *lost length* is that of these parts. A visited voxel
-//! is *wrong* if the ray does not even touch it.
+//! A voxel is *missed* if a part of the ray longer than a point lies in it and the walk does not visit it; where the
+//! ray runs in a plane between voxels it suffices to visit those on one side. The *lost length* is that of these parts.
+//! A visited voxel is *wrong* if the ray does not even touch it.
 //!
-//! What our walks promise is less, and enough: grids insert primitives into voxels that are inflated by `PADDING`, so each
-//! point of the ray must lie in a visited voxel *inflated by that*. A part of the ray for which this does not hold is
-//! *uncovered*: there hits would be lost. Parts within the padding of the box's faces are excused, since grids keep their
-//! primitives further inside. A ray within rounding of a plane, which passes on the wrong side of it, thus misses voxels and leaves
-//! nothing uncovered. A ray that a walk refuses, `Start::TooFar`, is tested against all primitives and loses nothing.
+//! What our walks promise is less, and enough: grids insert primitives into voxels that are inflated by `PADDING`, so
+//! each point of the ray must lie in a visited voxel *inflated by that*. A part of the ray for which this does not hold
+//! is *uncovered*: there hits would be lost. Parts within the padding of the box's faces are excused, since grids keep
+//! their primitives further inside. A ray within rounding of a plane, which passes on the wrong side of it, thus misses
+//! voxels and leaves nothing uncovered. A ray that a walk refuses, `Start::TooFar`, is tested against all primitives
+//! and loses nothing.
 //!
 //! Walks are compared with the one in f32 that textbooks print, which adds up tMax from voxel to voxel, and with the same one
 //! when it computes tMax anew from the plane's index.
@@ -53,8 +54,9 @@ pub const CASES: &[VoxelCase] = &[
 pub enum Rays {
     /// From the region of one corner of the unit cube to that of the opposite one.
     Corners,
-    /// Random, axis-parallel, along diagonals, in planes between voxels, through corners of voxels, from afar, with components
-    /// of very different size, short; through the unit cube and through boxes whose planes are no round numbers.
+    /// Random, axis-parallel, along diagonals, in planes between voxels, through corners of voxels, from afar, with
+    /// components of very different size, short; through the unit cube and through boxes whose planes are no round
+    /// numbers.
     Stiff,
 }
 

@@ -187,7 +187,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// True if there is something, nothing was left out, all passed, with all seeds, and the accelerators agree to the bit.
+    /// True if there is something, nothing is unfinished, all passed, with all seeds, and the accelerators agree to the
+    /// bit. Cases whose scene is not here do not count.
     pub fn passed(&self) -> bool {
         !self.entries.is_empty()
             && self.unfinished == 0

@@ -32,8 +32,8 @@ pub(super) fn visited<W: VoxelWalk>(frame: &Frame, ray: &Ray, mut step: impl FnM
     visited
 }
 
-/// The walk of the textbooks: clipping, tMax and tDelta in f32; `add`: tMax is added up, else computed anew at each step. It stops
-/// at the end of the ray and where it leaves the grid.
+/// The walk of the textbooks: clipping, tMax and tDelta in f32; `add`: tMax is added up, else computed anew at each
+/// step. It stops at the end of the ray and where it leaves the grid.
 pub(super) fn textbook(frame: &Frame, ray: &Ray, add: bool) -> Visited {
     let mut visited = Visited::default();
     let (lo, cell) = (frame.lo.as_vec3(), (1.0 / frame.inverse).as_vec3());
