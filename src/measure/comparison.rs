@@ -65,7 +65,7 @@ pub struct Row {
     pub build: Build,
     /// One for each ray set; `None` if the set is empty.
     pub rates: Vec<Option<Rate>>,
-    /// Whether it promises exact answers; see [`promises_exact`].
+    /// Whether it promises exact answers; see [`crate::registry::promises_exact`].
     pub exact: bool,
     /// How its answers differ, over all sets.
     pub deviations: Deviations,

@@ -34,8 +34,8 @@ pub(super) struct Loading {
     pub(super) budget: Budget,
 }
 
-/// Reads `spec`: the path of a .toml ([`file`]), .gltf, .glb, .obj, .vox, .npy (voxels), .tri or .sph ([`raw`]) file, or the
-/// name of a procedural scene with options, such as `random:n=10000` ([`procedural::ENTRIES`]).
+/// Reads `spec`: the path of a .toml ([`file`](mod@super::file)), .gltf, .glb, .obj, .vox, .npy (voxels), .tri or .sph
+/// ([`raw`]) file, or the name of a procedural scene with options, such as `random:n=10000` ([`procedural::ENTRIES`]).
 ///
 /// Files with a coordinate that is not finite are refused unless `options` says otherwise; but .tri and .sph files keep
 /// all primitives, so that indices stay as in the file: bad ones are never hit, and a warning counts them.
