@@ -69,8 +69,8 @@ fn report(options: &Options, costs: &[Cost], study: &Study) -> Report {
          without an epsilon. The textbook walk is Amanatides & Woo's in f32 with tMax accumulated; the grid below it is ours, \
          whose voxels are padded.",
         "The mix is fixed: cases of the stress test's catalogue, two of ordinary rays and six that are aimed at corners, edges \
-         and seams, along axes, at needles and from far away. An error is strict: a hit missed or invented, or a primitive that exact arithmetic does not put first (any of \
-         those that tie will do).",
+         and seams, along axes, at needles and from far away. An error is strict: a hit missed or invented, or a primitive that \
+         exact arithmetic does not put first (any of those that tie will do).",
         "Peers run as their authors intend, with triangle tests of their own and in most cases other trees than a grid: their \
          times say what they cost, not what their tests cost.",
     ]
