@@ -21,13 +21,13 @@
 //! # Ok::<(), skipgrid::Error>(())
 //! ```
 
+#[cfg(feature = "validate")]
+pub mod agreement;
 pub mod falsecolour;
 pub mod flip;
 pub mod io;
 pub mod metrics;
 pub mod srgb;
-#[cfg(feature = "validate")]
-pub mod tiles;
 
 /// A picture in linear RGB, rows from the top.
 ///

@@ -10,9 +10,9 @@ pub use environment::Environment;
 use super::reseed::Reseed;
 use super::steps::Steps;
 use crate::error::{Error, Result};
+use crate::picture::agreement::{DeterministicVerdict, StatisticalVerdict};
 use crate::picture::io::{Attributes, write};
 use crate::picture::metrics::Metrics;
-use crate::picture::tiles::{DeterministicVerdict, StatisticalVerdict};
 use crate::picture::{Picture, falsecolour};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -72,8 +72,8 @@ pub struct Pictures {
     pub ours: Picture,
     /// The reference.
     pub theirs: Picture,
-    /// Where they differ by the test that decided: [`crate::picture::tiles::above_limits`] or
-    /// [`crate::picture::tiles::z_map`]; `None` if the test could not be made.
+    /// Where they differ by the test that decided: [`crate::picture::agreement::above_limits`] or
+    /// [`crate::picture::agreement::z_map`]; `None` if the test could not be made.
     pub map: Option<Picture>,
 }
 

@@ -6,7 +6,7 @@ use super::report::{CaseVerdict, Provenance, Renderer, Report, Test, TierVerdict
 use super::{Options, reseed};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::picture::tiles::{self, DeterministicLimits, StatisticalLimits};
+use crate::picture::agreement::{self, DeterministicLimits, StatisticalLimits};
 use crate::picture::{Picture, io};
 use crate::render::Integrator;
 use crate::scene::Scene;
@@ -180,7 +180,7 @@ fn compare(known: &Known, scene: &Scene, accel: &dyn Accel, theirs: &Theirs, opt
     };
     verdict.seconds = start.elapsed().as_secs_f64();
     if let Known::Measured(measured) | Known::Unmeasured(measured) = known {
-        let test = tiles::statistical(ours.estimate(), measured.estimate(), StatisticalLimits::default());
+        let test = agreement::statistical(ours.estimate(), measured.estimate(), StatisticalLimits::default());
         (verdict.passed, verdict.reasons) = (test.passed, test.reasons.clone());
         if matches!(known, Known::Unmeasured(_)) {
             verdict.reasons.push(unmeasured(test.passed).into());

@@ -295,7 +295,7 @@ impl StatisticalVerdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::tiles::noise::uniform;
+    use crate::picture::agreement::noise::uniform;
 
     /// Mean and variance of the mean of `replicates` renders whose samples are uniform around a ramp.
     fn estimate(seed: u64, replicates: u32, noise: f64, factor: f64) -> (Picture, Picture) {
