@@ -66,12 +66,7 @@ impl Scatter {
         let mut names: Vec<(f64, f64, f64)> = placed.iter().map(|((x, y), _)| (x - 6.0, x + 6.0, *y)).collect();
         for ((x, y), spot) in placed {
             let (from, to) = (x + 9.0, x + 9.0 + LETTER * spot.name.chars().count() as f64);
-            let mut height = y;
-            while let Some((.., other)) =
-                names.iter().find(|(a, b, other)| *a < to && from < *b && (other - height).abs() < LINE)
-            {
-                height = other + LINE;
-            }
+            let height = free(&names, (from, to), y);
             names.push((from, to, height));
             if height > y {
                 svg.line((x, y), (from - 2.0, height), "grid");
@@ -103,5 +98,35 @@ impl Scatter {
         svg.line((left, TOP), (left, BOTTOM), "axis");
         svg.text(((LEFT + RIGHT) / 2.0, HEIGHT - 20.0), Anchor::Middle, "", &self.x);
         svg.text((20.0, TOP - 10.0), Anchor::Start, "", &self.y);
+    }
+}
+
+/// The least height from `y` on at which a name between two ends covers none of `names`: left end, right end and height.
+fn free(names: &[(f64, f64, f64)], (from, to): (f64, f64), y: f64) -> f64 {
+    // A hundredth of a pixel is not seen: without it the rounding of a height just below a name would find that name again.
+    let covered = |a: f64, b: f64| (a - b).abs() < LINE - 0.01;
+    let mut height = y;
+    while let Some((.., other)) = names.iter().find(|(a, b, other)| *a < to && from < *b && covered(*other, height)) {
+        height = other + LINE;
+    }
+    height
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_goes_below_the_one_it_would_cover_whatever_is_rounded() {
+        let mut rounded = 0;
+        for i in 0..1000 {
+            let y = 110.0 + 0.39 * f64::from(i);
+            rounded += usize::from((y + LINE) - y < LINE);
+            let names = [(0.0, 50.0, y), (0.0, 50.0, y + LINE), (60.0, 90.0, y + 2.0 * LINE)];
+            assert_eq!(free(&names[..1], (10.0, 30.0), y), y + LINE);
+            assert_eq!(free(&names, (10.0, 30.0), y - 1.0), y + LINE + LINE);
+            assert_eq!(free(&names, (51.0, 59.0), y), y);
+        }
+        assert!(rounded > 0, "no height shows what rounding does");
     }
 }
