@@ -114,8 +114,8 @@ fn measure(
     Ok(Ok(SceneResult { name: scene.name.clone(), class: scene.class, spec, comparison, refused }))
 }
 
-/// Brings a framed camera so near that most of its rays meet something: at most 0.8 of the diagonal of `bounds` away from their
-/// middle, which it looks at; so it stays outside.
+/// Brings a framed camera so near that most of its rays meet something: at most 0.8 of the diagonal of `bounds` away
+/// from their middle, which it looks at; so it stays outside.
 fn approach(camera: &mut Camera, bounds: &Aabb) {
     let (away, most) = (camera.origin - camera.target, 0.8 * f64::from(bounds.extent().length()));
     if camera.source == CameraSource::Framed && away.length() > most && most > 0.0 {

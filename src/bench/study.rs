@@ -25,7 +25,7 @@ pub struct Study {
     pub interrupted: bool,
 }
 
-/// One scene.
+/// One scene. Rows are numbers in [`Comparison::rows`], which exist.
 #[derive(Clone, Debug)]
 pub struct SceneResult {
     /// Name in the catalogue, or as given.
@@ -41,12 +41,12 @@ pub struct SceneResult {
 }
 
 impl SceneResult {
-    /// The row of an accelerator.
+    /// The row of an accelerator, if it was measured.
     pub fn row(&self, accel: &str) -> Option<usize> {
         self.comparison.rows.iter().position(|row| row.accel == accel)
     }
 
-    /// What the accelerator of that row did with rays of that kind.
+    /// What the accelerator of that row did with rays of that kind; `None` if there were none.
     pub fn rate(&self, row: usize, kind: RayKind) -> Option<&Rate> {
         let set = self.comparison.kinds.iter().position(|k| k.kind == kind)?;
         self.comparison.rows.get(row)?.rates.get(set)?.as_ref()

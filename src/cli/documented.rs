@@ -74,10 +74,12 @@ fn fault(shown: &Shown) -> Option<String> {
         let name = pair[1].split(':').next().unwrap_or_default();
         let known = registry::ENTRIES.iter().find(|entry| entry.name == name);
         let tried = known.is_none_or(|entry| entry.exact && entry.needs != registry::Needs::SolidVoxels);
-        if name != "A" && name != "all" && tried {
-            if let Err(error) = registry::build(&pair[1], Vec::<Triangle>::new()) {
-                return Some(error.to_string());
-            }
+        if name != "A"
+            && name != "all"
+            && tried
+            && let Err(error) = registry::build(&pair[1], Vec::<Triangle>::new())
+        {
+            return Some(error.to_string());
         }
     }
     if shown.whole {

@@ -7,8 +7,8 @@ use crate::picture::Picture;
 pub struct EqualTime {
     /// The curve's name.
     pub name: String,
-    /// Samples a pixel that its cost promises for that time; 0: none, as even the build takes longer, or as the times that were
-    /// measured do not tell what a sample takes.
+    /// Samples a pixel that its cost promises for that time; 0: none, as even the build takes longer, or as the times
+    /// that were measured do not tell what a sample takes.
     pub samples: u32,
     /// Seconds that it took, by the clock of its curve, build included.
     pub seconds: f64,

@@ -152,7 +152,8 @@ impl Study {
         self.differences.is_empty()
     }
 
-    /// Where the lines of time of two curves cross; and the same from each replicate alone. `None` where there is no line.
+    /// Where the lines of time of two curves, numbers in [`Study::curves`], cross; and the same from each replicate alone.
+    /// `None` where there is no line.
     pub fn crossover(&self, first: usize, second: usize) -> Option<(Crossover, Vec<Crossover>)> {
         let [a, b] = [&self.curves[first], &self.curves[second]];
         let all = crossover(&a.cost()?, &b.cost()?);

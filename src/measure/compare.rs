@@ -1,9 +1,10 @@
-//! Several accelerators on the same rays: are the answers equal, what do they cost?
+//! Compares several accelerators on the same rays: are the answers equal, what do they cost?
 
+use super::comparison::{Build, Comparison, Deviations, Difference, Kind, Rate, Row};
 use super::machine::Machine;
 use super::rays::{Query, RayKind, RayOptions, RaySet, ray_sets};
 use super::rounds::{in_turns_alone, same, timed_build};
-use crate::accel::{Accel, Counts, Hit, Memory};
+use crate::accel::{Accel, Counts, Hit};
 use crate::error::{Error, Result};
 use crate::ray::Ray;
 use crate::registry::promises_exact;
@@ -25,115 +26,6 @@ impl Default for Rounds {
     fn default() -> Self {
         Self { rounds: 5, rays: RayOptions::default(), given: None }
     }
-}
-
-/// What came out. Rays are traced on one thread, through `&dyn Accel`, and timed by the processor time of that thread.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
-    /// The scene's name.
-    pub scene: String,
-    /// Number of primitives.
-    pub primitives: u32,
-    /// Timed rounds.
-    pub rounds: u32,
-    /// What it was measured on.
-    pub machine: Machine,
-    /// The ray sets.
-    pub kinds: Vec<Kind>,
-    /// One row for each accelerator, in the order given.
-    pub rows: Vec<Row>,
-    /// Rays on which the answer of an accelerator that promises exact ones differed; one ray counts once for each of them.
-    pub differing: u64,
-    /// The first of them.
-    pub difference: Option<Difference>,
-    /// Row whose answers the others are held against: the first that promises exact ones, else the first.
-    pub truth: usize,
-}
-
-/// One ray set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kind {
-    /// Where the rays come from.
-    pub kind: RayKind,
-    /// What was timed.
-    pub query: Query,
-    /// Number of rays.
-    pub rays: u64,
-    /// Rays that hit something.
-    pub hits: u64,
-}
-
-/// One accelerator.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Specification as given.
-    pub accel: String,
-    /// What was built, and what the accelerator has to say after all rays were traced; may be empty.
-    pub described: String,
-    /// Cost of building.
-    pub build: Build,
-    /// One for each ray set; `None` if the set is empty.
-    pub rates: Vec<Option<Rate>>,
-    /// Whether it promises exact answers; see [`promises_exact`].
-    pub exact: bool,
-    /// How its answers differ, over all sets.
-    pub deviations: Deviations,
-}
-
-/// Rays on which an accelerator's answer differs, each counted once: by the first of these that applies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Deviations {
-    /// It finds nothing where there is something.
-    pub missed: u64,
-    /// It finds something where there is nothing.
-    pub extra: u64,
-    /// Another primitive.
-    pub primitive: u64,
-    /// The right primitive, but other bits of `t`.
-    pub parameter: u64,
-    /// The closest hit is right, but any hit or an answer with counting is not.
-    pub other: u64,
-}
-
-impl Deviations {
-    /// All of them.
-    pub fn total(&self) -> u64 {
-        self.missed + self.extra + self.primitive + self.parameter + self.other
-    }
-
-    fn count(&mut self, truth: Option<Hit>, hit: Option<Hit>) {
-        *match (truth, hit) {
-            (Some(_), None) => &mut self.missed,
-            (None, Some(_)) => &mut self.extra,
-            (Some(a), Some(b)) if a.prim != b.prim => &mut self.primitive,
-            _ if !same(truth, hit) => &mut self.parameter,
-            _ => &mut self.other,
-        } += 1;
-    }
-}
-
-/// Cost of building.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Build {
-    /// Median of one to three builds, milliseconds of wall time, on all cores.
-    pub milliseconds: f64,
-    /// The same in milliseconds that all threads together computed.
-    pub cpu_milliseconds: f64,
-    /// Bytes held beside the geometry.
-    pub memory: Memory,
-}
-
-/// Speed and work on one ray set.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rate {
-    /// Rays traced in a second of processor time: median of the rounds.
-    pub rays_per_second: f64,
-    /// Half the distance between the fastest and the slowest round, as a share of the median.
-    pub spread: f64,
-    /// Work for the whole set; independent of the machine.
-    pub counts: Counts,
-    /// Rays of the set on which the answers differ.
-    pub differing: u64,
 }
 
 /// An accelerator that is ready to be compared.
@@ -160,27 +52,26 @@ impl Built {
     }
 }
 
-/// A ray on which two accelerators disagree.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
-    /// The set.
-    pub kind: RayKind,
-    /// Index in the set.
-    pub index: usize,
-    /// The ray.
-    pub ray: Ray,
-    /// Question: "closest hit", "any hit" or one of them with counting.
-    pub query: &'static str,
-    /// The accelerator that the others are held against, and its answer.
-    pub first: (String, Option<Hit>),
-    /// The other one and its answer: for any-hit questions `Err` holds the flag.
-    pub other: (String, std::result::Result<Option<Hit>, bool>),
-}
-
-/// Compares the accelerators that `specs` name on rays of `scene`; the first one is the measure of the others.
+/// Compares the accelerators that `specs` name on rays of `scene`; the first one that promises exact answers is the
+/// measure of the others.
 ///
 /// # Errors
-/// No accelerator or no round is asked for; one cannot be built; the film has no pixels.
+/// No accelerator or no round is asked for; one cannot be built; the film has no pixels; the rays do not fit into memory.
+///
+/// ```
+/// use skipgrid::measure::{RayOptions, Rounds, compare};
+/// use skipgrid::scene::{LoadOptions, load};
+///
+/// let scene = load("random:n=200", &LoadOptions::default())?;
+/// let rounds = Rounds { rounds: 1, rays: RayOptions { width: 16, height: 16, ..RayOptions::default() }, given: None };
+/// let comparison = compare(&scene, &["brute", "grid"], &rounds)?;
+/// assert!(comparison.identical());
+/// // Camera rays come first: 256 rays, 200 tests each without a grid.
+/// let tests = |row: usize| comparison.rows[row].rates[0].map(|rate| rate.counts.tests);
+/// assert_eq!(tests(0), Some(256 * 200));
+/// assert!(tests(1) < tests(0));
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
 pub fn compare<S: AsRef<str>>(scene: &Scene, specs: &[S], rounds: &Rounds) -> Result<Comparison> {
     compare_with(scene, specs, rounds, &|_| {})
 }
@@ -284,18 +175,6 @@ pub fn contest(
     })
 }
 
-impl Comparison {
-    /// True if every accelerator that promises exact answers gave the same, to the bit, on every ray.
-    pub fn identical(&self) -> bool {
-        self.differing == 0
-    }
-
-    /// Rays in all sets.
-    pub fn rays(&self) -> u64 {
-        self.kinds.iter().map(|k| k.rays).sum()
-    }
-}
-
 /// Answers that differ though they promise to be exact.
 #[derive(Default)]
 struct Check {
@@ -381,7 +260,7 @@ fn trace(set: &RaySet, accel: &dyn Accel) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::BruteForce;
+    use crate::accel::{BruteForce, Memory};
     use crate::geometry::Sphere;
     use crate::ray::Aabb;
     use glam::Vec3;

@@ -1,7 +1,7 @@
 //! NumPy's `.npy` files: rays in, hits out.
 //!
-//! Rays are an N x 8 array of little-endian f32 in C order, one ray a
-//! row: ox, oy, oz, tmin, dx, dy, dz, tmax. Hits are N records of f32 `t` and u32 `prim`.
+//! Rays are an N x 8 array of little-endian f32 in C order, one ray a row: ox, oy, oz, tmin, dx, dy, dz, tmax. Hits are N
+//! records of f32 `t` and u32 `prim`.
 
 use crate::accel::Hit;
 use crate::error::{Error, Result};
@@ -87,7 +87,7 @@ fn ray_count(header: &str) -> std::result::Result<u64, String> {
     }
 }
 
-/// Writes an N x 8 array of f32.
+/// Writes an N x 8 array of f32: what [`read_rays`] reads, to the bit.
 ///
 /// # Errors
 /// Those of `out`.

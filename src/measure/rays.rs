@@ -61,7 +61,7 @@ pub struct RayOptions {
     pub height: u32,
     /// Same seed, same rays.
     pub seed: u64,
-    /// Most rays in a set; of a larger film every so-many-th pixel is taken.
+    /// Most rays in a set, at least 1; of a larger film every so-many-th pixel is taken.
     pub max_rays: usize,
 }
 
@@ -78,7 +78,7 @@ impl Default for RayOptions {
 /// it. Diffuse directions are distributed with the cosine to the geometric normal.
 ///
 /// # Errors
-/// The film has no pixels or the sets do not fit in memory.
+/// The film has no pixels, no ray is allowed, or the sets do not fit into memory.
 pub fn ray_sets(scene: &Scene, accel: &dyn Accel, options: &RayOptions) -> Result<Vec<RaySet>> {
     let camera = camera_rays(scene, options)?;
     let mut shadow = with_capacity(camera.len())?;

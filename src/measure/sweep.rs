@@ -1,8 +1,10 @@
-//! One option of an accelerator after the other over its range: build, bytes, steps, tests and time.
+//! Measures one option of an accelerator after the other over its range: build, bytes, steps, tests and time.
 
-use super::compare::{Build, Built, Comparison, Difference, Kind, Rate, contest};
+use super::compare::{Built, contest};
+use super::comparison::Comparison;
 use super::machine::Machine;
-use super::rays::{RayOptions, ray_sets};
+use super::rays::{RayOptions, RaySet, ray_sets};
+use super::swept::{Final, Setting, Sweep};
 use crate::error::{Error, Result};
 use crate::registry::{ENTRIES, Needs, did_you_mean, promises_exact, with_default};
 use crate::scene::Scene;
@@ -66,86 +68,6 @@ impl Default for SweepOptions {
     }
 }
 
-/// One setting of one accelerator.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
-    /// What was swept; `None` for the accelerator as it was asked for.
-    pub axis: Option<Axis>,
-    /// The accelerator as it was asked for: number in [`Sweep::accels`].
-    pub accel: usize,
-    /// The option's value; empty for the accelerator as it was asked for.
-    pub value: String,
-    /// The whole specification.
-    pub spec: String,
-    /// Cost of building.
-    pub build: Build,
-    /// One for each set of rays; `None` if that is empty.
-    pub rates: Vec<Option<Rate>>,
-    /// For each set of rays, its rate over that of the accelerator as it was asked for, timed in the same turns; NaN if the
-    /// set is empty.
-    pub gains: Vec<f64>,
-    /// The same over the first accelerator as it was asked for.
-    pub ratios: Vec<f64>,
-    /// Spread of [`Setting::gains`], as a share: the spreads of both sides, added as independent ones are.
-    pub spreads: Vec<f64>,
-}
-
-/// What came out.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
-    /// The scene's name.
-    pub scene: String,
-    /// Number of primitives.
-    pub primitives: u32,
-    /// What it was measured on.
-    pub machine: Machine,
-    /// The sets of rays.
-    pub kinds: Vec<Kind>,
-    /// The accelerators as they were asked for; the first is the measure of all.
-    pub accels: Vec<String>,
-    /// By accelerator, then by axis, then by value; the accelerator as it was asked for comes before its axes.
-    pub settings: Vec<Setting>,
-    /// For each accelerator and set of rays its fastest setting, timed once more.
-    pub finals: Vec<Final>,
-    /// Settings that could not be built, and why.
-    pub left_out: Vec<(String, String)>,
-    /// Answers that differ from the first accelerator's though they promise to be exact.
-    pub differing: u64,
-    /// The first of them.
-    pub difference: Option<Difference>,
-    /// Somebody wanted no more: settings are missing.
-    pub interrupted: bool,
-}
-
-/// The fastest setting of an accelerator for one set of rays.
-///
-/// The greatest of many noisy rates is flattered; so the fastest settings of an accelerator are timed once more, in turns with
-/// it as it was asked for, and these rates count.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Final {
-    /// The set of rays: number in [`Sweep::kinds`].
-    pub kind: usize,
-    /// The setting, with the rates of the last time.
-    pub setting: Setting,
-}
-
-impl Final {
-    /// Its rate over that of its accelerator as that was asked for.
-    pub fn gain(&self) -> f64 {
-        self.setting.gains[self.kind]
-    }
-
-    /// Spread of the gain, as a share; 0 if the accelerator is best as it was asked for.
-    pub fn spread(&self) -> f64 {
-        self.setting.spreads[self.kind]
-    }
-
-    /// True if the gain is more than the spread.
-    pub fn is_clear(&self) -> bool {
-        self.gain() > 1.0 + self.spread()
-    }
-}
-
 /// Accelerators whose names match `patterns`: a name, with options or not, or the beginning of names with a `*` behind it.
 ///
 /// # Errors
@@ -173,13 +95,13 @@ pub fn matching(patterns: &[String]) -> Result<Vec<String>> {
 
 /// Sweeps every option that the accelerators have and that `specs` do not set.
 ///
-/// The settings of one axis take turns with the accelerator as it was asked for and with the first one of all. Soon after `stop`
-/// has become true it ends; axes that are finished are kept. `progress` hears of the finished axes, of all, and of what is
-/// done next.
+/// The settings of one axis take turns with the accelerator as it was asked for and with the first one of all. Soon
+/// after `stop` has become true it ends; axes that are finished are kept. `progress` hears of the finished axes, of
+/// all, and of what is done next.
 ///
 /// # Errors
-/// There is no accelerator, no round or no density; a density is not finite and above 0; an accelerator as it was asked for
-/// cannot be built; the film has no pixels.
+/// There is no accelerator or no round; a density is not finite and above 0; an accelerator as it was asked for cannot
+/// be built; the film has no pixels; the rays do not fit into memory.
 pub fn sweep(
     scene: &Scene,
     specs: &[String],
@@ -198,9 +120,9 @@ pub fn sweep(
         (0..specs.len()).flat_map(|i| axes(&specs[i]).into_iter().map(move |axis| (i, axis))).collect();
     let all = groups.len() + specs.len();
     progress(0, all, &format!("building {first}"));
-    let mut built = vec![make(scene, first)?];
+    let built = vec![make(scene, first)?];
     let sets = ray_sets(scene, &*built[0].accel, &options.rays)?;
-    let mut sweep = Sweep {
+    let sweep = Sweep {
         scene: scene.name.clone(),
         primitives: scene.primitive_count(),
         machine: Machine::this(),
@@ -213,73 +135,105 @@ pub fn sweep(
         difference: None,
         interrupted: false,
     };
+    let mut run = Run { scene, specs, options, sets, built, sweep };
     for (done, &(accel, axis)) in groups.iter().enumerate() {
         if stop.load(Ordering::Relaxed) {
-            sweep.interrupted = true;
+            run.sweep.interrupted = true;
             break;
         }
         let title = format!("{}, {}", specs[accel], axis.map_or("as it is", Axis::name));
-        progress(done, all, &format!("{title}: building"));
-        let own = if accel == 0 { 0 } else { built.len() };
-        if accel > 0 {
-            built.push(make(scene, &specs[accel])?);
-        }
-        let mut values = Vec::new();
-        for value in axis.map_or(Vec::new(), |axis| axis.values(options)) {
-            let spec = with_default(&specs[accel], axis.map_or("", Axis::name), &value);
-            match make(scene, &spec) {
-                Ok(setting) => {
-                    built.push(setting);
-                    values.push(value);
-                }
-                Err(error) => sweep.left_out.push((spec, error.to_string())),
-            }
-        }
-        let result =
-            contest(scene, &built, &sets, options.rounds, &|stage| progress(done, all, &format!("{title}: {stage}")))?;
-        let settings = built.len() - values.len();
-        match axis {
-            None => sweep.settings.push(setting(&result, own, own, (accel, None, String::new()))),
-            Some(_) => sweep.settings.extend(
-                values
-                    .into_iter()
-                    .enumerate()
-                    .map(|(i, value)| setting(&result, settings + i, own, (accel, axis, value))),
-            ),
-        }
-        sweep.take(result);
-        built.truncate(1);
+        run.axis(accel, axis, &|stage| progress(done, all, &format!("{title}: {stage}")))?;
     }
     for (accel, spec) in specs.iter().enumerate() {
         if stop.load(Ordering::Relaxed) {
-            sweep.interrupted = true;
+            run.sweep.interrupted = true;
             break;
         }
-        let stage = |stage: &str| progress(groups.len() + accel, all, &format!("{spec}, the best once more: {stage}"));
-        let own = if accel == 0 { 0 } else { built.len() };
-        let best: Vec<Setting> =
-            (0..sweep.kinds.len()).filter_map(|kind| sweep.candidate(accel, kind)).cloned().collect();
-        if accel > 0 {
-            built.push(make(scene, spec)?);
-        }
-        let mut rows = Vec::new();
-        for setting in &best {
-            let known = built[own..].iter().position(|b| b.spec == setting.spec).map(|row| own + row);
-            rows.push(known.unwrap_or(built.len()));
-            if known.is_none() {
-                built.push(make(scene, &setting.spec)?);
+        let done = groups.len() + accel;
+        run.best(accel, &|stage| progress(done, all, &format!("{spec}, the best once more: {stage}")))?;
+    }
+    Ok(run.sweep)
+}
+
+/// A sweep under way.
+struct Run<'a> {
+    scene: &'a Scene,
+    specs: &'a [String],
+    options: &'a SweepOptions,
+    sets: Vec<RaySet>,
+    /// Those that take turns: the first accelerator of all as it was asked for, and what is added for one contest.
+    built: Vec<Built>,
+    sweep: Sweep,
+}
+
+impl Run<'_> {
+    /// Measures an accelerator at every value of an axis, or as it was asked for.
+    fn axis(&mut self, accel: usize, axis: Option<Axis>, stage: &dyn Fn(&str)) -> Result<()> {
+        stage("building");
+        let own = self.own(accel)?;
+        let first = self.built.len();
+        let mut values = Vec::new();
+        for value in axis.map_or(Vec::new(), |axis| axis.values(self.options)) {
+            let spec = with_default(&self.specs[accel], axis.map_or("", Axis::name), &value);
+            match make(self.scene, &spec) {
+                Ok(setting) => {
+                    self.built.push(setting);
+                    values.push(value);
+                }
+                Err(error) => self.sweep.left_out.push((spec, error.to_string())),
             }
         }
-        let result = contest(scene, &built, &sets, options.rounds, &stage)?;
-        let kinds = (0..sweep.kinds.len()).filter(|&kind| !sets[kind].rays.is_empty());
-        for ((kind, row), old) in kinds.zip(rows).zip(best) {
-            let setting = setting(&result, row, own, (accel, old.axis, old.value));
-            sweep.finals.push(Final { kind, setting });
+        let result = self.contest(stage)?;
+        let settings = &mut self.sweep.settings;
+        match axis {
+            None => settings.push(Setting::of(&result, own, own, (accel, None, String::new()))),
+            Some(_) => {
+                let values = values.into_iter().enumerate();
+                settings.extend(values.map(|(i, value)| Setting::of(&result, first + i, own, (accel, axis, value))));
+            }
         }
-        sweep.take(result);
-        built.truncate(1);
+        self.sweep.take(result);
+        Ok(())
     }
-    Ok(sweep)
+
+    /// Measures the fastest settings of an accelerator once more.
+    fn best(&mut self, accel: usize, stage: &dyn Fn(&str)) -> Result<()> {
+        let kinds = 0..self.sweep.kinds.len();
+        let best: Vec<Setting> = kinds.clone().filter_map(|kind| self.sweep.candidate(accel, kind)).cloned().collect();
+        let own = self.own(accel)?;
+        let mut rows = Vec::new();
+        for setting in &best {
+            let known = self.built[own..].iter().position(|b| b.spec == setting.spec).map(|row| own + row);
+            rows.push(known.unwrap_or(self.built.len()));
+            if known.is_none() {
+                self.built.push(make(self.scene, &setting.spec)?);
+            }
+        }
+        let result = self.contest(stage)?;
+        let kinds = kinds.filter(|&kind| !self.sets[kind].rays.is_empty());
+        for ((kind, row), old) in kinds.zip(rows).zip(best) {
+            let setting = Setting::of(&result, row, own, (accel, old.axis, old.value));
+            self.sweep.finals.push(Final { kind, setting });
+        }
+        self.sweep.take(result);
+        Ok(())
+    }
+
+    /// The number of an accelerator, as it was asked for, among those that take turns.
+    fn own(&mut self, accel: usize) -> Result<usize> {
+        if accel == 0 {
+            return Ok(0);
+        }
+        self.built.push(make(self.scene, &self.specs[accel])?);
+        Ok(self.built.len() - 1)
+    }
+
+    /// What all that take turns gave; only the first of all stays.
+    fn contest(&mut self, stage: &dyn Fn(&str)) -> Result<Comparison> {
+        let result = contest(self.scene, &self.built, &self.sets, self.options.rounds, stage)?;
+        self.built.truncate(1);
+        Ok(result)
+    }
 }
 
 fn make(scene: &Scene, spec: &str) -> Result<Built> {
@@ -294,58 +248,6 @@ fn axes(spec: &str) -> Vec<Option<Axis>> {
         !fixed && with_default(spec, axis.name(), "1") != spec
     };
     std::iter::once(None).chain(Axis::ALL.into_iter().filter(free).map(Some)).collect()
-}
-
-/// Row `row` of `result`, whose row `own` is the accelerator as it was asked for.
-fn setting(result: &Comparison, row: usize, own: usize, what: (usize, Option<Axis>, String)) -> Setting {
-    let of = &result.rows[row];
-    let pair = |k: usize, base: usize| Some((of.rates[k]?, result.rows[base].rates[k]?));
-    let ratio = |base: usize| {
-        let over = |k| pair(k, base).map_or(f64::NAN, |(a, b): (Rate, Rate)| a.rays_per_second / b.rays_per_second);
-        (0..result.kinds.len()).map(over).collect()
-    };
-    let spread =
-        |k: usize| pair(k, own).map_or(f64::NAN, |(a, b)| if row == own { 0.0 } else { a.spread.hypot(b.spread) });
-    let (accel, axis, value) = what;
-    Setting {
-        axis,
-        accel,
-        value,
-        spec: of.accel.clone(),
-        build: of.build,
-        rates: of.rates.clone(),
-        gains: ratio(own),
-        ratios: ratio(0),
-        spreads: (0..result.kinds.len()).map(spread).collect(),
-    }
-}
-
-impl Sweep {
-    /// True if every setting that promises exact answers gave the same, to the bit, on every ray.
-    pub fn identical(&self) -> bool {
-        self.differing == 0
-    }
-
-    /// The fastest setting of all for the rays of set `kind`, by its last rate over the first accelerator's.
-    pub fn fastest(&self, kind: usize) -> Option<&Final> {
-        let timed = self.finals.iter().filter(|f| f.kind == kind);
-        timed.max_by(|a, b| a.setting.ratios[kind].total_cmp(&b.setting.ratios[kind]))
-    }
-
-    /// The setting of accelerator `accel` that seems to be the fastest for set `kind`; `None` if nothing was timed.
-    fn candidate(&self, accel: usize, kind: usize) -> Option<&Setting> {
-        let timed = self.settings.iter().filter(|s| s.accel == accel && s.gains[kind].is_finite());
-        timed.max_by(|a, b| a.gains[kind].total_cmp(&b.gains[kind]))
-    }
-
-    /// Counts differences and notes the sets.
-    fn take(&mut self, result: Comparison) {
-        self.differing += result.differing;
-        if self.difference.is_none() {
-            self.difference = result.difference;
-        }
-        self.kinds = result.kinds;
-    }
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use glam::DVec2;
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the film that camera rays go through.
+    /// Rows and columns of the film that camera rays go through, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -59,8 +59,7 @@ struct Entry {
 
 impl Entry {
     fn nanoseconds(&self, list: usize) -> f64 {
-        let cost = &self.costs[list];
-        1e9 * cost.seconds / cost.counts.rays as f64
+        self.costs[list].nanoseconds()
     }
 }
 
@@ -177,8 +176,7 @@ fn rays_table(measured: &[Measured]) -> Table {
         for (list, name) in LISTS.iter().enumerate() {
             for entry in &one.entries {
                 let cost = &entry.costs[list];
-                let per_ray = |n: u64| n as f64 / cost.counts.rays as f64;
-                let steps = per_ray(cost.counts.steps);
+                let steps = cost.per_ray(cost.counts.steps);
                 let cells: [Cell; 10] = [
                     one.scene.clone().into(),
                     (*name).into(),
@@ -188,8 +186,8 @@ fn rays_table(measured: &[Measured]) -> Table {
                     (100.0 * cost.spread).into(),
                     // A BVH does not count its nodes.
                     (if steps == 0.0 { f64::NAN } else { steps }).into(),
-                    per_ray(cost.counts.leaps).into(),
-                    per_ray(cost.counts.tests).into(),
+                    cost.per_ray(cost.counts.leaps).into(),
+                    cost.per_ray(cost.counts.tests).into(),
                     cost.wrong.into(),
                 ];
                 table.row(cells);

@@ -25,6 +25,14 @@ pub type Watch<'a> = dyn Fn(usize, usize, &str) + 'a;
 /// The measure of all methods: the walk without skips, SEADS in the papers.
 const PLAIN: &str = "grid";
 
+/// From the least to the greatest, each once.
+fn rising(numbers: &[u32]) -> Vec<u32> {
+    let mut numbers = numbers.to_vec();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
+}
+
 /// The plain grid, then the others.
 fn plain_first(accels: &[String]) -> Vec<String> {
     let others = accels.iter().filter(|a| *a != PLAIN).cloned();

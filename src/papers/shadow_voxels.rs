@@ -15,7 +15,7 @@ use std::time::Instant;
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the pictures.
+    /// Rows and columns of the pictures, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,

@@ -15,7 +15,7 @@ use crate::scene::{LoadOptions, Scene, load};
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the pictures.
+    /// Rows and columns of the pictures, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -267,7 +267,7 @@ fn table(measured: &[Measured]) -> Table {
         for e in &m.entries {
             let [primary, shadow, secondary] = [0, 1, 2].map(|k| {
                 let cost = &e.costs[k];
-                Cell::Real(1e9 * cost.seconds / cost.counts.rays as f64)
+                Cell::Real(cost.nanoseconds())
             });
             let [rays, traced] = m.rays;
             let uncounted = e.steps().is_nan();

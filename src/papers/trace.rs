@@ -53,6 +53,18 @@ pub struct Cost {
     pub wrong: u64,
 }
 
+impl Cost {
+    /// Nanoseconds a ray; NaN for an empty list.
+    pub fn nanoseconds(&self) -> f64 {
+        1e9 * self.seconds / self.counts.rays as f64
+    }
+
+    /// A ray's share of `work`, one of the counts; NaN for an empty list.
+    pub fn per_ray(&self, work: u64) -> f64 {
+        work as f64 / self.counts.rays as f64
+    }
+}
+
 /// All rays of a `size` x `size` picture of `scene` by Whitted's method, one sample a pixel, in the order in which one
 /// thread asks for them. `plain` gives the answers that other accelerators must repeat.
 ///

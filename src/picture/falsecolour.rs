@@ -3,9 +3,9 @@
 use super::{Picture, metrics, srgb};
 use crate::error::Result;
 
-/// Differences from here on are darker than black can show.
+/// Relative differences up to this are black.
 pub const LEAST: f64 = 1e-5;
-/// Differences from here on are white.
+/// Relative differences from this on are white.
 pub const MOST: f64 = 1.0;
 /// Pixels of the reference darker than this are taken as this bright.
 const DARK: f64 = 0.1;
@@ -25,14 +25,14 @@ const RAMP: [[f32; 3]; 7] = [
 const SIDES: [[f32; 3]; 5] =
     [[0.13, 0.30, 0.60], [0.50, 0.69, 0.86], [0.95, 0.95, 0.94], [0.93, 0.61, 0.50], [0.65, 0.09, 0.15]];
 
-/// Colours in sRGB of pixels within all limits, above the lower and above the higher.
+/// Colours in sRGB (0 to 1) of pixels within all limits, above the lower and above the higher.
 pub const LIMITS: [[f32; 3]; 3] = [[0.16, 0.18, 0.22], [0.98, 0.72, 0.20], [1.0, 0.25, 0.25]];
 
 /// A colour for each pixel by its largest channel difference over the reference's largest channel (at least 0.1), on a
-/// logarithmic scale from [`LEAST`] (black) to [`MOST`] (white).
+/// logarithmic scale from [`LEAST`] (black) to [`MOST`] (white). Linear RGB.
 ///
 /// # Errors
-/// The sizes differ or a pixel is not finite.
+/// The sizes differ, the pictures are empty, or a pixel is not finite.
 pub fn difference(test: &Picture, reference: &Picture) -> Result<Picture> {
     metrics::check(test, reference)?;
     let pixels = test.pixels.iter().zip(&reference.pixels).map(|(a, b)| {
@@ -44,19 +44,20 @@ pub fn difference(test: &Picture, reference: &Picture) -> Result<Picture> {
     Ok(Picture { width: test.width, height: test.height, pixels: pixels.collect() })
 }
 
-/// A colour for each pixel by this channel (0 to 2), a count: black at 0, white at `most`, linear in `ln(1 + count)`.
+/// A colour for each pixel by this channel (0 to 2), a count: black at 0, white at `most` (at least 1) and above, linear in
+/// `ln(1 + count)`. Counts below 0 and NaN are black.
 pub fn counts(picture: &Picture, channel: usize, most: f32) -> Picture {
     let whole = most.max(1.0).ln_1p();
     let pixels = picture.pixels.iter().map(|p| colour(p[channel].max(0.0).ln_1p() / whole));
     Picture { width: picture.width, height: picture.height, pixels: pixels.collect() }
 }
 
-/// Linear RGB of the ramp from black to white at `level`, clamped to 0..1.
+/// Linear RGB of the ramp from black to white at `level`, clamped to 0..1; NaN gives NaN.
 pub fn colour(level: f32) -> [f32; 3] {
     between(&RAMP, level)
 }
 
-/// Linear RGB for a deviation clamped to -1..1: blue below 0, near white at 0, red above.
+/// Linear RGB for a deviation clamped to -1..1: blue below 0, near white at 0, red above; NaN gives NaN.
 pub fn diverging(deviation: f32) -> [f32; 3] {
     between(&SIDES, 0.5 + 0.5 * deviation)
 }

@@ -1,22 +1,24 @@
-//! EXR, PNG and PFM in and out and Radiance's HDR in, chosen by the file's extension; files are never left half-written.
+//! EXR, PNG and PFM in and out and Radiance's HDR in, chosen by the file's extension.
 
 mod exr;
 mod hdr;
 mod pfm;
 mod png;
+mod replace;
 
 pub use exr::{
     Words, attributes_of, decode_words, encode_words, has_variance, read_attributes, read_with_variance,
     write_with_variance,
 };
+#[cfg(all(feature = "cli", unix))]
+pub(crate) use replace::between_files;
+#[cfg(feature = "cli")]
+pub(crate) use replace::check_replaceable;
+pub use replace::replace_file;
 
 use super::Picture;
 use crate::error::{Error, Result};
-use std::fs::File;
-use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{PoisonError, RwLock};
+use std::path::Path;
 
 /// Pictures that take more bytes than this while they are decoded are refused before anything is allocated for them.
 pub const MAX_DECODED_BYTES: u64 = 1 << 31;
@@ -37,13 +39,13 @@ pub struct Attributes {
 }
 
 impl Attributes {
-    /// The same attributes and one more.
+    /// The same attributes and one more, behind the others; names are not looked at, so one can be there twice.
     pub fn with(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
         self.entries.push((name.into(), value.into()));
         self
     }
 
-    /// The value of `name`, if there is one.
+    /// The first value of `name`, if there is one.
     pub fn get(&self, name: &str) -> Option<&str> {
         self.entries.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
     }
@@ -97,7 +99,8 @@ impl Format {
 ///
 /// # Errors
 /// The file cannot be read, has another extension, is damaged, has no colour channels or these in several layers, has
-/// several parts, deep data or subsampled channels, would take more than [`MAX_DECODED_BYTES`] while it is decoded, or states a size for which it is too short.
+/// several parts, deep data or subsampled channels, has more than [`MAX_FILE_BYTES`], would take more than
+/// [`MAX_DECODED_BYTES`] while it is decoded, or states a size for which it is too short.
 pub fn read(path: impl AsRef<Path>) -> Result<Picture> {
     read_with(path, PngEncoding::Declared)
 }
@@ -136,7 +139,8 @@ fn decode(path: &Path, encoding: PngEncoding, layer: Option<&str>) -> Result<Pic
 /// The file appears whole or not at all; an older file of that name stays until then.
 ///
 /// # Errors
-/// The extension is another one, the picture's size and number of pixels disagree, or the file cannot be written.
+/// The extension is another one (Radiance's are read only), the picture is empty or has not as many pixels as its size
+/// says, or the file cannot be written.
 pub fn write(path: impl AsRef<Path>, picture: &Picture, attributes: &Attributes) -> Result<()> {
     let path = path.as_ref();
     let format = Format::of(path)?;
@@ -163,77 +167,6 @@ pub fn write(path: impl AsRef<Path>, picture: &Picture, attributes: &Attributes)
 pub fn encode_png(path: &Path, picture: &Picture) -> Result<Vec<u8>> {
     check_size(path, picture)?;
     png::encode(path, picture)
-}
-
-/// Puts `bytes` in the place of the file `path`: whole or not at all.
-///
-/// They are written to a new file beside it, which then takes its name; on failure the old file stays. A link is
-/// followed.
-///
-/// # Errors
-/// The folder is missing or not writable, the disk is full, or `path` exists and is no regular file.
-pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
-    let _writing = WRITERS.read().unwrap_or_else(PoisonError::into_inner);
-    let path = path.as_ref();
-    let fail = |source| Error::io(path, source);
-    let target = target_of(path)?;
-    let (part, mut file) = new_beside(&target).map_err(fail)?;
-    let written = file.write_all(bytes).and_then(|()| file.sync_all());
-    // Some systems rename no open file.
-    drop(file);
-    written.and_then(|()| std::fs::rename(&part, &target)).map_err(|source| {
-        // The first error is the one to report.
-        let _ = std::fs::remove_file(&part);
-        Error::io(path, source)
-    })
-}
-
-/// Finds out whether [`replace_file`] could write `path` now, by making the new file and taking it away again.
-///
-/// # Errors
-/// As [`replace_file`], but for full disks.
-#[cfg(feature = "cli")]
-pub(crate) fn check_replaceable(path: &Path) -> Result<()> {
-    let _writing = WRITERS.read().unwrap_or_else(PoisonError::into_inner);
-    let target = target_of(path)?;
-    let (part, _) = new_beside(&target).map_err(|source| Error::io(path, source))?;
-    std::fs::remove_file(&part).map_err(|source| Error::io(path, source))
-}
-
-/// The file that `path` stands for, links followed.
-fn target_of(path: &Path) -> Result<PathBuf> {
-    match std::fs::metadata(path) {
-        Ok(meta) if !meta.is_file() => Err(Error::malformed(path, "is no regular file, not overwritten")),
-        Ok(_) => std::fs::canonicalize(path).map_err(|source| Error::io(path, source)),
-        Err(_) => Ok(path.to_path_buf()),
-    }
-}
-
-/// A file of our own beside `target`. A name that is taken is left alone: a process that was killed can have left it, or one
-/// of the same number on another machine be writing it.
-fn new_beside(target: &Path) -> std::io::Result<(PathBuf, File)> {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    const MOST_TRIES: u32 = 10_000;
-    let mut tries = 0;
-    loop {
-        let mut name = target.file_name().unwrap_or_default().to_os_string();
-        name.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
-        let part = target.with_file_name(name);
-        match File::create_new(&part) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists && tries < MOST_TRIES => tries += 1,
-            made => return made.map(|file| (part, file)),
-        }
-    }
-}
-
-/// Held for reading by whoever writes a file.
-static WRITERS: RwLock<()> = RwLock::new(());
-
-/// Calls `then` once no file is being written; as long as it runs none is begun.
-#[cfg(all(feature = "cli", unix))]
-pub(crate) fn between_files<T>(then: impl FnOnce() -> T) -> T {
-    let _alone = WRITERS.write().unwrap_or_else(PoisonError::into_inner);
-    then()
 }
 
 /// Reads a regular file of at most [`MAX_FILE_BYTES`].

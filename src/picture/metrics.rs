@@ -66,11 +66,12 @@ pub struct Metrics {
     pub above_01_percent: f64,
     /// Share (0 to 1) of pixels of which any channel differs at all; -0 equals 0.
     pub differing: f64,
-    /// Sum of all values of the picture over that of the reference; 1 if both are 0.
+    /// Sum of all values of the picture over that of the reference; 1 if the sums are equal, infinite if that of the
+    /// reference alone is 0.
     pub mean_ratio: f64,
 }
 
-/// Compares `test` with `reference`.
+/// Compares `test` (`a` in the formulas of [`Metrics`]) with `reference` (`b`). Sums are f64.
 ///
 /// # Errors
 /// The sizes differ, the pictures are empty, or a pixel is not finite: NaN is never "equal".

@@ -1,12 +1,14 @@
 //! The sRGB transfer function, IEC 61966-2-1.
 
-/// Linear light of an sRGB value; both 0 to 1. Computed in f64.
+/// Linear light of an sRGB value; 0 to 1 becomes 0 to 1. Computed in f64. The curve goes on above 1, its straight part
+/// below 0; NaN stays NaN.
 pub fn decode(value: f64) -> f32 {
     let light = if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
     light as f32
 }
 
-/// sRGB value of linear light; both 0 to 1. Computed in f64.
+/// sRGB value of linear light; 0 to 1 becomes 0 to 1. Computed in f64. The curve goes on above 1, its straight part
+/// below 0; NaN stays NaN.
 pub fn encode(light: f32) -> f32 {
     let light = f64::from(light);
     let value = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };

@@ -7,8 +7,8 @@ use crate::scene::Scene;
 const USUAL_DEPTH: u32 = 4;
 
 impl Settings {
-    /// Rays that a picture of `scene` is likely to take: one for each sample, and for each further edge of a path one to a light (one to each
-    /// in Whitted's method) and one onwards, for four edges at most.
+    /// Rays that a picture of `scene` is likely to take: one for each sample, and for each further edge of a path one
+    /// to a light (one to each in Whitted's method) and one onwards, for four edges at most.
     ///
     /// An estimate within a factor of two or three, for decisions that depend on orders of magnitude.
     pub fn expected_rays(&self, scene: &Scene) -> f64 {

@@ -13,9 +13,9 @@ pub struct Film {
     pub height: u32,
     /// Samples for each pixel.
     pub samples: u32,
-    /// Sum of the samples, row by row from the top, linear RGB.
+    /// Sum of the samples, row by row from the top, linear RGB; `width * height` entries.
     pub sum: Vec<DVec3>,
-    /// Sum of the squares of the samples.
+    /// Sum of the squares of the samples, in the same order.
     pub sum_squares: Vec<DVec3>,
     /// What it took.
     pub stats: RenderStats,
@@ -58,7 +58,7 @@ impl std::ops::AddAssign for RenderStats {
 }
 
 impl Film {
-    /// A film without light.
+    /// A film without light, of so many samples for each pixel.
     ///
     /// # Errors
     /// It does not fit into memory.
@@ -67,7 +67,7 @@ impl Film {
         Ok(Self { width, height, samples, sum: black(width, height)?, sum_squares: black(width, height)?, stats })
     }
 
-    /// The mean of the samples.
+    /// The mean of the samples, rounded to f32; NaN for a film of none.
     pub fn picture(&self) -> Picture {
         let samples = f64::from(self.samples);
         self.map(|sum, _| sum / samples)
@@ -76,7 +76,7 @@ impl Film {
     /// The estimated variance of the mean of the samples, for each channel.
     ///
     /// Takes the samples as independent. For low-discrepancy samples it is an upper bound by experience, not by proof;
-    /// films of several seeds give an unbiased estimate. A single sample has unknown variance: `inf`.
+    /// films of several seeds give an unbiased estimate. Never negative. A single sample has unknown variance: `inf`.
     pub fn variance_of_mean(&self) -> Picture {
         let samples = f64::from(self.samples);
         if self.samples < 2 {
@@ -86,6 +86,7 @@ impl Film {
     }
 
     /// Adds the samples of another film of the same part of the same picture: of another seed, or of other samples.
+    /// Sums are rounded: only [`super::join`] gives the bits of one render.
     ///
     /// # Errors
     /// The films differ in size, or the samples are more than `u32` can count.

@@ -1,4 +1,8 @@
 //! The path tracer, generic over the accelerator.
+//!
+//! [`render`] makes a [`Film`] of a scene with any [`Accel`]: the sums of all samples, which give the picture and its
+//! variance. [`render_until`] can be interrupted, [`render_part`] makes some of the samples, for [`join`] to put
+//! together.
 
 mod check;
 mod expected;
@@ -36,7 +40,8 @@ use tracer::{Stage, Tracer};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Integrator {
-    /// Path tracing with next-event estimation and multiple importance sampling; compared with Mitsuba's `path`.
+    /// Path tracing with next-event estimation and multiple importance sampling (Veach 1997, chapters 9 and 10);
+    /// compared with Mitsuba's `path`.
     Path,
     /// Whitted 1980: point lights, mirrors and the full Fresnel split, no random numbers; compared with POV-Ray.
     Whitted,
@@ -53,9 +58,9 @@ pub enum Integrator {
 /// Where samples lie in a pixel and what random numbers are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampler {
-    /// The centres of an n x n grid in each pixel; `n * n` samples.
+    /// The centres of an n x n grid in each pixel; `n * n` samples, n from 1 to 65535.
     Regular(u32),
-    /// Owen-scrambled Sobol points, this many samples.
+    /// Owen-scrambled Sobol points (Burley 2020, "Practical Hash-based Owen Scrambling"), this many samples: 1 to 65536.
     Sobol(u32),
 }
 
@@ -77,24 +82,25 @@ pub struct Crop {
 pub struct Settings {
     /// What is computed.
     pub integrator: Integrator,
-    /// Columns of the whole picture.
+    /// Columns of the whole picture, above 0.
     pub width: u32,
-    /// Rows of the whole picture.
+    /// Rows of the whole picture, above 0.
     pub height: u32,
-    /// Only this part is rendered; `None`: all.
+    /// Only this part is rendered, which lies inside and is not empty; `None`: all.
     pub crop: Option<Crop>,
     /// Samples for each pixel.
     pub sampler: Sampler,
     /// Same seed, same picture, whatever the accelerator and the number of threads.
     pub seed: u64,
-    /// Longest path in edges: 1 sees emission only, 2 adds direct light.
+    /// Longest path in edges: 1 sees emission only, 2 adds direct light. 1 to 256 for [`Integrator::Whitted`], 1 to
+    /// 65536 for the others.
     pub max_depth: u32,
-    /// Bounce after which Russian roulette may end a path.
+    /// The edge of a path from which on Russian roulette may end it; only [`Integrator::Path`] asks.
     pub rr_depth: u32,
-    /// Worker threads; `None`: as many as there are cores.
+    /// Worker threads, 1 to 1024; `None`: as many as there are cores.
     pub threads: Option<usize>,
-    /// Whether shadow rays to point and spot lights ask shadow voxels first, which changes no bit of the picture; `None`: where
-    /// they are likely to pay.
+    /// Whether shadow rays to point and spot lights ask shadow voxels first, which changes no bit of the picture;
+    /// `None`: where they are likely to pay.
     pub shadow_voxels: Option<bool>,
 }
 
@@ -124,6 +130,27 @@ impl Default for Settings {
 /// A size or count is zero or beyond what memory allows; the crop lies outside the picture; `max_depth` is 0, or above
 /// 256 for [`Integrator::Whitted`] and 65536 for the others; the camera has no view; a material or texture is out of its
 /// stated range; shadow voxels are asked for and do not fit into memory.
+///
+/// ```
+/// use skipgrid::render::{Integrator, Sampler, Settings, render};
+/// use skipgrid::scene::{LoadOptions, load};
+///
+/// let scene = load("cornell", &LoadOptions::default())?;
+/// let settings = Settings { width: 16, height: 12, sampler: Sampler::Sobol(4), ..Settings::default() };
+/// let film = render(&scene, &scene.accel("grid")?, &settings, &|_, _| {})?;
+/// let picture = film.picture();
+/// assert_eq!((picture.width, picture.height, film.samples), (16, 12, 4));
+/// assert!(film.variance_of_mean().pixels.iter().flatten().all(|v| *v >= 0.0));
+///
+/// // Every exact accelerator gives the same bits.
+/// let again = render(&scene, &scene.accel("brute")?, &settings, &|_, _| {})?;
+/// assert_eq!(again.picture(), picture);
+///
+/// // Work instead of light: steps, tests and leaps of the camera rays.
+/// let work = Settings { integrator: Integrator::Steps, sampler: Sampler::Regular(1), ..settings };
+/// assert!(render(&scene, &scene.accel("grid")?, &work, &|_, _| {})?.picture().pixels.iter().any(|p| p[0] > 0.0));
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
 pub fn render<A: Accel + ?Sized>(
     scene: &Scene,
     accel: &A,
@@ -136,7 +163,7 @@ pub fn render<A: Accel + ?Sized>(
 /// A film that may have been left before its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unfinished {
-    /// The film; pixels that are not finished are black.
+    /// The film; pixels that are not finished are black. [`Film::samples`] is that of the finished ones.
     pub film: Film,
     /// Pixels with all their samples.
     pub finished: u64,
@@ -168,11 +195,11 @@ pub fn check_settings(settings: &Settings) -> Result<()> {
     check::settings(settings, 1).map(|_| ())
 }
 
-/// Some samples of each pixel, summed so that they and the others make the picture.
+/// Some samples of each pixel, summed so that they and the others make the picture: ranges of samples, each with its film.
 pub type Part = Vec<(Range<u32>, Film)>;
 
-/// The `samples` (of all that the settings ask for) of each pixel: a film for each of their [`nodes`]. [`join`] makes one film
-/// of the parts of all samples, equal to the bit to that of [`render`].
+/// The `samples` (of all that the settings ask for) of each pixel: a film for each of their [`nodes`]. [`join`] makes
+/// one film of the parts of all samples, equal to the bit to that of [`render`].
 ///
 /// # Errors
 /// As [`render`]; or the range is empty or has samples that the settings lack.

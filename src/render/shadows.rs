@@ -6,20 +6,21 @@ use crate::error::Result;
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// Voxels for each primitive: many more than of a grid for tracing, for a voxel is lit or dark only if all of it is.
+/// Shadow voxels for each primitive, in [`render`](super::render): many more than of a grid for tracing, for a voxel is
+/// lit or dark only if all of it is.
 pub const SHADOW_DENSITY: f64 = 16.0;
 
 /// Rays to a light for each primitive from which on shadow voxels are likely to pay.
 ///
-/// The bits of one light cost about 1 to 5 us a primitive and save 0 to 0.3 us a ray, as `skipgrid papers shadow-voxels` shows:
-/// the balance lies between 10 and 200 rays, or nowhere where next to nothing is decided.
+/// The bits of one light cost about 1 to 5 us a primitive and save 0 to 0.3 us a ray, as `skipgrid papers
+/// shadow-voxels` shows: the balance lies between 10 and 200 rays, or nowhere where next to nothing is decided.
 const RAYS: f64 = 64.0;
 
 /// Share of decided voxels below which asking costs more than it saves.
 const LEAST: f64 = 0.05;
 
-/// Shadow voxels for point lights at `points` and so many `samples` of each pixel, where they are wanted or likely to pay. Where they only are likely to and do not
-/// fit into memory, or turn out to know next to nothing, there are none.
+/// Shadow voxels for point lights at `points` and so many `samples` of each pixel, where they are wanted or likely to
+/// pay. Where they only are likely to and do not fit into memory, or turn out to know next to nothing, there are none.
 ///
 /// # Errors
 /// They are wanted and do not fit into memory.

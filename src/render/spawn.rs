@@ -118,18 +118,19 @@ mod tests {
         })
     }
 
+    /// A triangle of that size about a point, and its unit normal; `None` for a needle, which has no normal to speak of.
+    fn triangle((scale, offset, seed): (f32, Vec3, u64)) -> Option<(Triangle, DVec3)> {
+        let triangle = [0, 1, 2].map(|i: u64| offset + (unit(mix(seed ^ (i << 40))) * f64::from(scale)).as_vec3());
+        let [a, b, c] = triangle.map(|p| p.as_dvec3());
+        let normal = (b - a).cross(c - a);
+        (normal.length() >= 0.01 * (b - a).length() * (c - a).length()).then(|| (triangle, normal.normalize()))
+    }
+
     #[test]
     fn rays_leave_their_triangle_at_every_scale() {
         for (scale, offset, seed) in places() {
-            let corner = |i: u64| offset + (unit(mix(seed ^ (i << 40))) * f64::from(scale)).as_vec3();
-            let triangle: Triangle = [corner(0), corner(1), corner(2)];
+            let Some((triangle, normal)) = triangle((scale, offset, seed)) else { continue };
             let [a, b, c] = triangle.map(|p| p.as_dvec3());
-            let normal = (b - a).cross(c - a);
-            // A needle has no normal to speak of.
-            if normal.length() < 0.01 * (b - a).length() * (c - a).length() {
-                continue;
-            }
-            let normal = normal.normalize();
             let accel = BruteForce::new(vec![triangle]);
             let spawner = Spawner::new(&accel.bounds());
             for (w, weights) in [[0.2, 0.3, 0.5], [0.0, 0.5, 0.5], [1.0, 0.0, 0.0]].into_iter().enumerate() {
@@ -161,14 +162,8 @@ mod tests {
     fn surfaces_do_not_hide_lights_on_them() {
         // Of surfaces no larger than the distance of neighbouring f32 numbers there is no front to be in.
         for (scale, offset, seed) in places().filter(|(s, o, _)| *s > 1e-5 * o.abs().max_element()) {
-            let corner = |i: u64| offset + (unit(mix(seed ^ (i << 40))) * f64::from(scale)).as_vec3();
-            let emitter: Triangle = [corner(0), corner(1), corner(2)];
+            let Some((emitter, normal)) = triangle((scale, offset, seed)) else { continue };
             let [a, b, c] = emitter.map(|p| p.as_dvec3());
-            let normal = (b - a).cross(c - a);
-            if normal.length() < 0.01 * (b - a).length() * (c - a).length() {
-                continue;
-            }
-            let normal = normal.normalize();
             let sphere = Sphere { centre: offset, radius: scale };
             let place = offset.as_dvec3() + unit(seed ^ 77).normalize() * f64::from(scale);
             let sphere_normal = (place - offset.as_dvec3()).normalize();

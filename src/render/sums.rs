@@ -29,8 +29,9 @@ pub(super) fn of(node: Range<u32>, sample: &mut impl FnMut(u32) -> Option<DVec3>
     Some((a + b, squares_a + squares_b))
 }
 
-/// The greatest nodes of the tree over `0..total` that lie in `range`, from first to last: the least sums from which those of
-/// all samples can be made to the bit. At most two for each binary digit of `total`; one for all samples.
+/// The greatest nodes of the tree over `0..total` that lie in `range`, from first to last: the least sums from which
+/// those of all samples can be made to the bit. At most two for each binary digit of `total`; one for all samples, none
+/// for an empty range.
 ///
 /// ```
 /// use skipgrid::render::nodes;
@@ -62,8 +63,8 @@ pub fn nodes(range: Range<u32>, total: u32) -> Vec<Range<u32>> {
 /// One film of all samples from films of nodes, in any order.
 ///
 /// # Errors
-/// The nodes are not all leaves below one root `0..total`: a range is missing, there twice, or no node of that tree; or the films
-/// differ in size.
+/// The nodes are not all leaves below one root `0..total`: a range is missing, there twice, or no node of that tree; or
+/// the films differ in size.
 pub fn join(total: u32, mut films: Vec<(Range<u32>, Film)>) -> Result<Film> {
     // The next one at the end.
     films.sort_by_key(|(node, _)| std::cmp::Reverse((node.start, node.end)));

@@ -20,7 +20,7 @@ pub(super) struct Stage<'a> {
     pub spawner: Spawner,
     /// Longest path in edges.
     pub max_depth: u32,
-    /// Bounce after which Russian roulette may end a path.
+    /// The edge from which on Russian roulette may end a path.
     pub rr_depth: u32,
 }
 

@@ -68,13 +68,14 @@ impl Camera {
         }
     }
 
-    /// Forward, right and up: an orthonormal basis.
+    /// Forward, right and up: an orthonormal basis. NaN where the camera has no view: `target` is `origin`, or `up` is
+    /// parallel to it.
     pub fn basis(&self) -> [DVec3; 3] {
         basis(self.target - self.origin, self.up)
     }
 
-    /// Unit direction through the film point (x, y), in pixels from the top left corner of a `width` x `height` film;
-    /// the centre of the first pixel is (0.5, 0.5).
+    /// Unit direction through the film point (x, y), in pixels from the top left corner of a `width` x `height` film, both
+    /// above 0; the centre of the first pixel is (0.5, 0.5). Points beyond the film are as good.
     pub fn direction(&self, x: f64, y: f64, width: u32, height: u32) -> DVec3 {
         let [forward, right, up] = self.basis();
         let half = (self.yfov.to_radians() / 2.0).tan();

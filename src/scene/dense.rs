@@ -18,8 +18,8 @@ const VOXEL_BYTES: u64 = 2;
 /// Reads a file.
 ///
 /// # Errors
-/// The file cannot be read, is too large for the memory allowed, holds another kind of array, is shorter or longer than its header says, or has more voxels than
-/// [`SolidVoxels::new`] takes.
+/// The file cannot be read, is too large for the memory allowed, holds another kind of array, is shorter or longer than its
+/// header says, or has more voxels than [`SolidVoxels::new`] takes.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<SceneParts> {
     let bytes = read_bytes(path)?;
     budget.take(VOXEL_BYTES * bytes.len() as u64, || format!("{}: voxels", path.display()))?;

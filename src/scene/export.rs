@@ -21,8 +21,8 @@ pub struct ExportSettings {
     pub height: u32,
     /// Longest path in edges, above 0: 1 sees emission only, 2 adds direct light.
     pub max_depth: u32,
-    /// For POV-Ray, which has no lights with an area as we have: so many spots along each side of a shining triangle stand for
-    /// its light. 0: it lights nothing, as in the Whitted integrator.
+    /// For POV-Ray, which has no lights with an area as we have: so many spots along each side of a shining triangle
+    /// stand for its light. 0: it lights nothing, as in the Whitted integrator.
     pub lamp_grid: u32,
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-/// A light without extent. Radiant quantities are linear RGB.
+/// A light without extent. Radiant quantities are linear RGB, finite and not negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
     /// Shines equally in all directions.
@@ -20,9 +20,9 @@ pub enum Light {
         direction: DVec3,
         /// Radiant intensity on the axis, W/sr.
         intensity: Vec3,
-        /// Angle between axis and edge, degrees, 0 to 90: dark beyond it.
+        /// Angle between axis and edge, degrees, above 0 and at most 90: dark beyond it.
         cutoff: f64,
-        /// Full intensity within this angle of the axis, degrees, at most `cutoff`; between the two it falls linearly
+        /// Full intensity within this angle of the axis, degrees, from 0 to `cutoff`; between the two it falls linearly
         /// with the angle, as Mitsuba's does. Equal to `cutoff`: a hard cone.
         beam_width: f64,
     },

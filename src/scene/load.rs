@@ -34,14 +34,48 @@ pub(super) struct Loading {
     pub(super) budget: Budget,
 }
 
-/// Reads `spec`: the path of a .toml, .gltf, .glb, .obj, .vox, .npy (voxels), .tri or .sph file, or the name of a procedural scene with
-/// options, such as `random:n=10000`.
+/// Reads `spec`: the path of a .toml ([`file`](mod@super::file)), .gltf, .glb, .obj, .vox, .npy (voxels), .tri or .sph
+/// ([`raw`]) file, or the name of a procedural scene with options, such as `random:n=10000` ([`procedural::ENTRIES`]).
 ///
 /// Files with a coordinate that is not finite are refused unless `options` says otherwise; but .tri and .sph files keep
 /// all primitives, so that indices stay as in the file: bad ones are never hit, and a warning counts them.
 ///
 /// # Errors
-/// The file cannot be read or is not usable: the message names the file, the place and the cause.
+/// The file cannot be read, is not usable, or needs more memory than [`LoadOptions::memory`]: the message names the file, the
+/// place and the cause. A name or an option of a procedural scene is unknown, or a value out of range.
+///
+/// ```
+/// use skipgrid::Ray;
+/// use skipgrid::scene::{LoadOptions, load};
+/// use glam::Vec3;
+///
+/// let spheres = load("random:n=100,seed=7", &LoadOptions::default())?;
+/// assert_eq!((spheres.primitive_count(), spheres.triangle_count()), (100, 0));
+///
+/// let text = r#"
+///     [[material]]
+///     name = "red"
+///     type = "lambert"
+///     albedo = [0.8, 0.1, 0.1]
+///     [[sphere]]
+///     centre = [0.0, 1.0, 0.0]
+///     radius = 1.0
+///     material = "red"
+/// "#;
+/// let file = std::env::temp_dir().join(format!("skipgrid-scene-{}.toml", std::process::id()));
+/// std::fs::write(&file, text).map_err(|error| skipgrid::Error::io(&file, error))?;
+/// let scene = load(&file.display().to_string(), &LoadOptions::default())?;
+/// // What the file does not say is chosen, and told.
+/// assert!(scene.notes.iter().any(|note| note.contains("camera")));
+///
+/// let ray = Ray::new(Vec3::new(0.0, 1.0, 5.0), -Vec3::Z);
+/// let hit = scene.accel("grid")?.closest_hit(&ray).expect("the sphere is there");
+/// assert_eq!((hit.t, hit.prim), (4.0, 0));
+/// let surface = scene.surface(&ray, hit);
+/// assert_eq!(scene.materials[surface.material as usize].name, "red");
+/// # std::fs::remove_file(&file).map_err(|error| skipgrid::Error::io(&file, error))?;
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
 pub fn load(spec: &str, options: &LoadOptions) -> Result<Scene> {
     let path = Path::new(spec);
     let loading = &Loading { drop_invalid: options.drop_invalid, budget: Budget::new(options) };

@@ -9,7 +9,7 @@ pub struct Material {
     pub name: String,
     /// How it scatters light.
     pub bsdf: Bsdf,
-    /// Radiance emitted from the front side, linear RGB; zero: none.
+    /// Radiance emitted from the front side, linear RGB, finite and not negative; zero: none.
     pub emission: Vec3,
 }
 
@@ -44,7 +44,7 @@ impl Material {
     }
 }
 
-/// How a surface scatters light. Colours are linear RGB, 0 to 1.
+/// How a surface scatters light. Albedo and reflectance are linear RGB, 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Bsdf {
     /// Diffuse, on both sides.
@@ -61,14 +61,14 @@ pub enum Bsdf {
     },
     /// Smooth dielectric; the front side looks out of the medium.
     Dielectric {
-        /// Index of refraction inside, relative to outside; above 0.
+        /// Index of refraction inside, relative to outside; above 0, finite.
         ior: f32,
     },
     /// Rough conductor with the GGX distribution, on both sides.
     Conductor {
-        /// Real part of the index of refraction, for R, G, B.
+        /// Real part of the index of refraction, for R, G, B; finite, not negative.
         eta: Vec3,
-        /// Imaginary part. `eta` 0 and `k` 1 reflect everything.
+        /// Imaginary part, finite, not negative. `eta` 0 and `k` 1 reflect everything.
         k: Vec3,
         /// Factor on the reflected radiance.
         reflectance: Vec3,
@@ -91,11 +91,11 @@ pub enum Filter {
 pub struct Texture {
     /// Name or path from the file.
     pub name: String,
-    /// Texels in a row.
+    /// Texels in a row, above 0.
     pub width: u32,
-    /// Rows.
+    /// Rows, above 0.
     pub height: u32,
-    /// Linear RGB, row by row from the top.
+    /// Linear RGB, row by row from the top; `width * height` entries.
     pub texels: Vec<Vec3>,
     /// True if the source was encoded in sRGB with 8 bits: exporters write it back so.
     pub srgb: bool,

@@ -1,4 +1,9 @@
 //! What is rendered: primitives in world space, materials, lights, camera; and where it comes from.
+//!
+//! [`load`] reads files and makes scenes by formula; [`Scene::new`] takes the parts that a program has made itself. The
+//! world is right-handed; lengths are world units, colours linear RGB. [`Scene::accel`] builds an accelerator over the
+//! primitives, and [`Scene::surface`] says of a hit what shading needs. [`povray`] and [`mitsuba`] write scenes for
+//! other renderers.
 
 mod assemble;
 mod budget;
@@ -87,9 +92,9 @@ impl SceneGeometry {
 pub struct Mesh {
     /// Name from the file, for messages and exporters.
     pub name: String,
-    /// Corners, world units.
+    /// Corners, world units. A triangle with one that is not finite is never hit.
     pub positions: Vec<Vec3>,
-    /// Corner indices of each triangle, counter-clockwise seen from the front.
+    /// Indices in `positions` of each triangle's corners, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Unit normals, one for each position; empty: flat shading.
     pub normals: Vec<Vec3>,
@@ -136,9 +141,9 @@ pub struct Scene {
     pub mesh_offsets: Vec<u32>,
     /// Spheres; sphere `i` is primitive `triangle_count + i`.
     pub spheres: Vec<Sphere>,
-    /// Material of each sphere.
+    /// Index in [`Scene::materials`] for each sphere.
     pub sphere_materials: Vec<u32>,
-    /// Material of each patch; a scene of patches has no triangle and no sphere.
+    /// Index in [`Scene::materials`] for each patch; a scene of patches has no triangle and no sphere.
     pub patch_materials: Vec<u32>,
     /// Materials; at least one.
     pub materials: Vec<Material>,
@@ -146,7 +151,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Lights without extent. Emissive materials make their primitives area lights.
     pub lights: Vec<Light>,
-    /// Radiance that arrives from every direction where nothing is hit, linear RGB; zero: no environment.
+    /// Radiance that arrives from every direction where nothing is hit, linear RGB, finite and not negative; zero: no
+    /// environment.
     pub environment: Vec3,
     /// Where the picture is taken from.
     pub camera: Camera,
@@ -161,13 +167,13 @@ pub struct Scene {
 /// What a scene file asks of the renderer, where it does.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderDefaults {
-    /// Width and height, pixels.
+    /// Width and height, pixels, above 0.
     pub size: Option<(u32, u32)>,
     /// Name of the integrator, `path` or `whitted`.
     pub integrator: Option<String>,
-    /// Longest path, counted in edges (1: directly seen emission only).
+    /// Longest path, counted in edges (1: directly seen emission only), above 0.
     pub max_depth: Option<u32>,
-    /// Samples for each pixel.
+    /// Samples for each pixel, above 0.
     pub spp: Option<u32>,
 }
 
@@ -180,9 +186,9 @@ pub struct SceneParts {
     pub meshes: Vec<Mesh>,
     /// Solid voxels, whose bytes are indices of materials plus one. Beside meshes or spheres they become meshes.
     pub voxels: Option<SolidVoxels>,
-    /// Spheres with their materials.
+    /// Spheres with the indices of their materials.
     pub spheres: Vec<(Sphere, u32)>,
-    /// Bicubic patches with their materials; not beside meshes or spheres.
+    /// Bicubic patches with the indices of their materials; not beside meshes or spheres.
     pub patches: Vec<(ControlPoints, u32)>,
     /// See [`Scene::materials`]; a grey Lambert material is added if there is none.
     pub materials: Vec<Material>,
@@ -265,8 +271,10 @@ impl Scene {
     pub fn choose(&self, spec: &str) -> Result<Option<(String, Choice)>> {
         with_geometry!(self.geometry, g => crate::registry::choose(spec, g))
     }
-    /// Decides for every voxel of a grid, `density` voxels for each primitive, which of the lights at `lights`, world units,
-    /// surely reach it and which surely do not.
+    /// Decides for every voxel of a grid, `density` voxels for each primitive (finite, above 0), which of the lights at
+    /// `lights`, world units, surely reach it and which surely do not.
+    ///
+    /// Source: Amanatides & Woo 1987, last section.
     ///
     /// # Errors
     /// As [`crate::registry::shadow_voxels`].

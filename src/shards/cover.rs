@@ -14,7 +14,7 @@ pub struct Cover {
     pub missing: Vec<Place>,
 }
 
-/// How `places` cover all `total` samples of the pixels of `area`, inside which they lie.
+/// How `places` cover all `total` samples of the pixels of `area`, inside which they lie. No coordinate goes beyond `u32`.
 pub fn cover(area: Crop, total: u32, places: &[Place]) -> Cover {
     let blocks: Vec<Block> = places.iter().map(Block::of).collect();
     let mut order: Vec<usize> = (0..places.len()).collect();

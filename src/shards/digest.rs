@@ -1,8 +1,8 @@
 //! The digest of a scene as it was loaded: what a change of would change the picture, wherever it came from.
 //!
 //! Everything that the renderer reads goes in, bit by bit: meshes, spheres, voxels, patches, materials, texels, lights,
-//! environment, camera. Names, warnings, and what the file asks of the renderer, which the command line states, stay out; so do
-//! the files themselves: a comment that changed in one of them makes no other picture.
+//! environment, camera. Names, warnings, and what the file asks of the renderer, which the command line states, stay
+//! out; so do the files themselves: a comment that changed in one of them makes no other picture.
 
 use super::hex;
 use crate::geometry::Geometry;

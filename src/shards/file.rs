@@ -1,7 +1,8 @@
 //! A shard as an EXR file: exact sums in channels of u32, what they are in attributes, and a digest of the whole file.
 //!
-//! For each node `A..B` of the shard's samples there are twelve channels, `A-B.sum.R.high` and so on: the f64 sums of the
-//! samples and of their squares, in R, G and B, as the high and the low half of their bits. docs/shards.md has the whole form.
+//! For each node `A..B` of the shard's samples there are twelve channels, `A-B.sum.R.high` and so on: the f64 sums of
+//! the samples and of their squares, in R, G and B, as the high and the low half of their bits. docs/shards.md has the
+//! whole form.
 
 use super::{Job, Place, hex, parse_crop, parse_range, text_of};
 use crate::error::{Error, Result};
@@ -43,11 +44,11 @@ pub struct Shard {
     pub job: Job,
     /// The part.
     pub place: Place,
-    /// The sums.
+    /// The sums: as [`crate::render::render_part`] gives them for the place.
     pub part: Part,
 }
 
-/// Finds out whether the file of a shard at `place` could be read again.
+/// Finds out whether the file of a shard at `place`, of `total` samples for each pixel, could be read again.
 ///
 /// # Errors
 /// It would take more memory than pictures may.

@@ -2,6 +2,39 @@
 //!
 //! A shard is a rectangle of the pixels and a range of the samples of each. What is the same for all shards of a picture is
 //! its [`Job`]. Absent here: who runs what where. A plan is a list of commands, and any runner of commands will do.
+//!
+//! ```
+//! use skipgrid::picture::io::Attributes;
+//! use skipgrid::render::{Crop, Sampler, Settings, render, render_part};
+//! use skipgrid::scene::{LoadOptions, load};
+//! use skipgrid::shards::{Job, Merged, Shard, merge, places, scene_digest, write};
+//!
+//! let scene = load("cornell", &LoadOptions::default())?;
+//! let accel = scene.accel("grid")?;
+//! let settings = Settings { width: 12, height: 8, sampler: Sampler::Sobol(6), ..Settings::default() };
+//! let area = Crop { x: 0, y: 0, width: 12, height: 8 };
+//! let attributes = Attributes::default().with("scene", "cornell");
+//! let job = Job::new(attributes, scene_digest(&scene), area, 6, "cornell".into());
+//! # let folder = std::env::temp_dir().join(format!("skipgrid-shards-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).map_err(|error| skipgrid::Error::io(&folder, error))?;
+//!
+//! // Tiles of at most 8 x 8 pixels, of each four samples and the other two: any machine can make any of the four.
+//! let mut files = Vec::new();
+//! for place in places(area, (8, 8), 4, 6)? {
+//!     let own = Settings { crop: Some(place.tile), ..settings.clone() };
+//!     let part = render_part(&scene, &accel, &own, place.samples.clone(), &|_, _| {})?;
+//!     let file = folder.join(place.file_name(&job));
+//!     write(&file, &Shard { job: job.clone(), place, part })?;
+//!     files.push(file);
+//! }
+//! let lost = files.pop().expect("four shards");
+//! assert!(matches!(merge(&files)?, Merged::Missing(_, places) if places.len() == 1));
+//! files.push(lost);
+//! let Merged::Whole(_, film) = merge(&files)? else { panic!("all are there") };
+//! assert_eq!(film.picture(), render(&scene, &accel, &settings, &|_, _| {})?.picture());
+//! # std::fs::remove_dir_all(&folder).map_err(|error| skipgrid::Error::io(&folder, error))?;
+//! # Ok::<(), skipgrid::Error>(())
+//! ```
 
 mod cover;
 mod digest;
@@ -84,9 +117,9 @@ impl Job {
 /// Which pixels and samples a shard has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The pixels, counted in the whole picture.
+    /// The pixels, counted in the whole picture; inside [`Job::area`], not empty.
     pub tile: Crop,
-    /// The samples of each.
+    /// The samples of each, of the numbers below [`Job::total`]; not empty.
     pub samples: Range<u32>,
 }
 
@@ -106,12 +139,12 @@ impl std::fmt::Display for Place {
 }
 
 /// `X,Y,WIDTH,HEIGHT`.
-pub fn text_of(crop: &Crop) -> String {
+pub(crate) fn text_of(crop: &Crop) -> String {
     format!("{},{},{},{}", crop.x, crop.y, crop.width, crop.height)
 }
 
-/// As [`text_of`] writes it, neither side 0.
-pub fn parse_crop(text: &str) -> Option<Crop> {
+/// As [`text_of`] writes it, neither side 0; else `None`.
+pub(crate) fn parse_crop(text: &str) -> Option<Crop> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
     match numbers?[..] {
         [x, y, width, height] if width > 0 && height > 0 => Some(Crop { x, y, width, height }),
@@ -119,8 +152,8 @@ pub fn parse_crop(text: &str) -> Option<Crop> {
     }
 }
 
-/// `A..B`, not empty.
-pub fn parse_range(text: &str) -> Option<Range<u32>> {
+/// `A..B`, not empty; else `None`.
+pub(crate) fn parse_range(text: &str) -> Option<Range<u32>> {
     let (start, end) = text.split_once("..")?;
     let range = start.trim().parse().ok()?..end.trim().parse().ok()?;
     (!range.is_empty()).then_some(range)

@@ -2,6 +2,7 @@
 
 use super::ask::{Answer, Asked};
 use crate::accel::Hit;
+use crate::measure::rounds::same;
 use crate::oracle::Truth;
 use crate::ray::Ray;
 
@@ -190,11 +191,6 @@ impl Tally {
         let others = [self.not_finite, self.any, self.counted, self.differing, self.panics, self.hangs, self.untraced];
         self.strict() == 0 && others == [0; 7]
     }
-}
-
-/// Equal to the bit.
-fn same(a: Option<Hit>, b: Option<Hit>) -> bool {
-    a.map(|hit| (hit.prim, hit.t.to_bits())) == b.map(|hit| (hit.prim, hit.t.to_bits()))
 }
 
 fn show(answer: &Answer) -> String {

@@ -1,26 +1,30 @@
 //! Which voxels the walks visit, against exact arithmetic: wrong ones, missed ones, lost length.
 //!
-//! A voxel is *missed* if a part of the ray longer than a point lies in it and the walk does not visit it; where the ray runs
-//! in a plane between voxels it suffices to visit those on one side. The *lost length* is that of these parts. A visited voxel
-//! is *wrong* if the ray does not even touch it.
+//! A voxel is *missed* if a part of the ray longer than a point lies in it and the walk does not visit it; where the
+//! ray runs in a plane between voxels it suffices to visit those on one side. The *lost length* is that of these parts.
+//! A visited voxel is *wrong* if the ray does not even touch it.
 //!
-//! What our walks promise is less, and enough: grids insert primitives into voxels that are inflated by `PADDING`, so each
-//! point of the ray must lie in a visited voxel *inflated by that*. A part of the ray for which this does not hold is
-//! *uncovered*: there hits would be lost. Parts within the padding of the box's faces are excused, since grids keep their
-//! primitives further inside. A ray within rounding of a plane, which passes on the wrong side of it, thus misses voxels and leaves
-//! nothing uncovered. A ray that a walk refuses, `Start::TooFar`, is tested against all primitives and loses nothing.
+//! What our walks promise is less, and enough: grids insert primitives into voxels that are inflated by `PADDING`, so
+//! each point of the ray must lie in a visited voxel *inflated by that*. A part of the ray for which this does not hold
+//! is *uncovered*: there hits would be lost. Parts within the padding of the box's faces are excused, since grids keep
+//! their primitives further inside. A ray within rounding of a plane, which passes on the wrong side of it, thus misses
+//! voxels and leaves nothing uncovered. A ray that a walk refuses, `Start::TooFar`, is tested against all primitives
+//! and loses nothing.
 //!
 //! Walks are compared with the one in f32 that textbooks print, which adds up tMax from voxel to voxel, and with the same one
 //! when it computes tMax anew from the plane's index.
 
+mod judge;
 mod rays;
+mod visited;
 
-use crate::grid::{Branchless, Frame, IntegerWalk, PADDING, Start, VoxelWalk, Walk};
-use crate::oracle::voxels::{Path, Visit, Voxels};
+use crate::grid::{Branchless, Frame, IntegerWalk, VoxelWalk, Walk};
+use crate::oracle::voxels::Voxels;
 use crate::ray::Ray;
+use judge::judge;
 use rayon::prelude::*;
 use rays::shot;
-use std::collections::HashSet;
+use visited::{Visited, textbook, visited};
 
 /// A grid and the rays that are sent through it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,8 +54,9 @@ pub const CASES: &[VoxelCase] = &[
 pub enum Rays {
     /// From the region of one corner of the unit cube to that of the opposite one.
     Corners,
-    /// Random, axis-parallel, along diagonals, in planes between voxels, through corners of voxels, from afar, with components
-    /// of very different size, short; through the unit cube and through boxes whose planes are no round numbers.
+    /// Random, axis-parallel, along diagonals, in planes between voxels, through corners of voxels, from afar, with
+    /// components of very different size, short; through the unit cube and through boxes whose planes are no round
+    /// numbers.
     Stiff,
 }
 
@@ -219,153 +224,10 @@ fn judge_all(frame: &Frame, ray: &Ray, offset: usize) -> [Tally; Judged::ALL.len
     Judged::ALL.map(|walk| judge(path.as_ref(), &walk.visit(frame, ray), offset))
 }
 
-/// What a walk visits.
-#[derive(Clone, Debug, Default)]
-struct Visited {
-    refused: bool,
-    voxels: Vec<[u32; 3]>,
-    /// Where it says that it leaves each of them.
-    exits: Vec<f64>,
-}
-
-fn visited<W: VoxelWalk>(frame: &Frame, ray: &Ray, mut step: impl FnMut(&mut W) -> bool) -> Visited {
-    let mut visited = Visited::default();
-    let Some(ray) = ray.intake() else { return visited };
-    match W::start(frame, &ray) {
-        Start::Miss => {}
-        Start::TooFar => visited.refused = true,
-        Start::Inside(mut walk) => loop {
-            visited.voxels.push(frame.coordinates(walk.voxel()));
-            visited.exits.push(walk.exit());
-            if !step(&mut walk) {
-                break;
-            }
-        },
-    }
-    visited
-}
-
-/// The walk of the textbooks: clipping, tMax and tDelta in f32. It stops at the end of the ray and where it leaves the grid.
-fn textbook(frame: &Frame, ray: &Ray, add: bool) -> Visited {
-    let mut visited = Visited::default();
-    let (lo, cell) = (frame.lo.as_vec3(), (1.0 / frame.inverse).as_vec3());
-    let (o, d, n) = (ray.origin, ray.direction, frame.resolution);
-    let mut start = ray.t_min;
-    let mut end = ray.t_max;
-    for a in 0..3 {
-        let [t0, t1] = [0, n[a]].map(|k| (lo[a] + k as f32 * cell[a] - o[a]) / d[a]);
-        start = start.max(t0.min(t1));
-        end = end.min(t0.max(t1));
-    }
-    // A range that is no number is none either.
-    if start.partial_cmp(&end).is_none_or(|order| order.is_gt()) || !start.is_finite() {
-        return visited;
-    }
-    let p = o + start * d;
-    let mut voxel = [0, 1, 2].map(|a| (((p[a] - lo[a]) / cell[a]) as u32).min(n[a] - 1));
-    let up = d.to_array().map(|x| x > 0.0);
-    let crossing = |a: usize, index: u32| {
-        let plane = lo[a] + (index + u32::from(up[a])) as f32 * cell[a];
-        if d[a] == 0.0 { f32::INFINITY } else { (plane - o[a]) / d[a] }
-    };
-    let mut t_max = [0, 1, 2].map(|a| crossing(a, voxel[a]));
-    let t_delta = [0, 1, 2].map(|a| cell[a] / d[a].abs());
-    loop {
-        let [x, y, z] = t_max;
-        let a = if x < y {
-            if x < z { 0 } else { 2 }
-        } else if y < z {
-            1
-        } else {
-            2
-        };
-        visited.voxels.push(voxel);
-        visited.exits.push(t_max[a].into());
-        let next = if up[a] { voxel[a] + 1 } else { voxel[a].wrapping_sub(1) };
-        if next >= n[a] || t_max[a] > ray.t_max {
-            return visited;
-        }
-        voxel[a] = next;
-        t_max[a] = if add { t_max[a] + t_delta[a] } else { crossing(a, next) };
-    }
-}
-
-/// Compares what a walk visited with the ray's exact path, `None` if it does not meet the grid.
-fn judge(path: Option<&Path>, visited: &Visited, offset: usize) -> Tally {
-    let mut tally = Tally { rays: 1, refused: visited.refused.into(), ..Tally::default() };
-    let Some(path) = path else {
-        tally.wrong = visited.voxels.len() as u64;
-        tally.wrong_rays = (tally.wrong > 0).into();
-        return tally;
-    };
-    tally.voxels = path.visits().iter().filter(|visit| !visit.is_touch()).count() as u64;
-    tally.length = path.length();
-    if visited.refused {
-        return tally;
-    }
-    tally.t_error = t_error(path, visited, offset);
-    if visited.voxels.iter().eq(path.visits().iter().map(|visit| &visit.voxel)) {
-        return tally;
-    }
-    let ours: HashSet<[u32; 3]> = visited.voxels.iter().copied().collect();
-    for visit in path.visits().iter().filter(|visit| !visit.is_touch() && !is_visited(path, visit, &ours)) {
-        let length = path.chord(visit);
-        tally.missed += 1;
-        tally.lost += length;
-        tally.longest = tally.longest.max(length);
-        if !is_covered(path, visit, &ours) {
-            tally.uncovered += 1;
-            tally.uncovered_length += length;
-        }
-    }
-    let exact: HashSet<[u32; 3]> = path.visits().iter().map(|visit| visit.voxel).collect();
-    tally.wrong = ours.iter().filter(|&&voxel| !exact.contains(&voxel) && !path.touches(voxel)).count() as u64;
-    tally.wrong_rays = (tally.missed + tally.wrong > 0).into();
-    tally
-}
-
-/// Whether the voxel is visited, or one below planes that the ray runs in.
-fn is_visited(path: &Path, visit: &Visit, ours: &HashSet<[u32; 3]>) -> bool {
-    (0..8u32).any(|below| {
-        let of = |a: usize| below >> a & 1;
-        (0..3).all(|a| of(a) == 0 || path.shared()[a]) && ours.contains(&[0, 1, 2].map(|a| visit.voxel[a] - of(a)))
-    })
-}
-
-/// Whether the ray's part in a voxel lies in a visited neighbour when inflated, or within the padding of the box's faces.
-fn is_covered(path: &Path, visit: &Visit, ours: &HashSet<[u32; 3]>) -> bool {
-    let v = visit.voxel.map(i64::from);
-    let n = path.resolution().map(i64::from);
-    let by_neighbour = (0..27).any(|i| {
-        let w = [v[0] + i % 3 - 1, v[1] + i / 3 % 3 - 1, v[2] + i / 9 - 1];
-        let index = w.map(u32::try_from);
-        let [Ok(x), Ok(y), Ok(z)] = index else { return false };
-        ours.contains(&[x, y, z]) && path.lies_in(visit, w, w, PADDING)
-    });
-    let beside = |a: usize, k: i64| {
-        let (mut low, mut high) = (v, v);
-        (low[a], high[a]) = (k, k);
-        path.lies_in(visit, low, high, PADDING)
-    };
-    by_neighbour || (0..3).any(|a| beside(a, -1) || beside(a, n[a]))
-}
-
-/// The greatest distance of the ray from a plane where the walk crosses it.
-fn t_error(path: &Path, visited: &Visited, offset: usize) -> f64 {
-    let steps = visited.voxels.windows(2).zip(&visited.exits);
-    let errors = steps.skip(offset % 8).step_by(8).filter_map(|(pair, &t)| {
-        // A leap may cross planes of several axes at once; t belongs to one of them.
-        let crossed = (0..3).filter(|&a| pair[0][a] != pair[1][a]);
-        let error =
-            |a: usize| if t.is_finite() { path.distance(a, pair[0][a].max(pair[1][a]), t) } else { f64::INFINITY };
-        crossed.map(error).reduce(f64::min)
-    });
-    errors.fold(0.0, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::PADDING;
 
     fn row(rows: &[Row], walk: Judged, rays: Rays) -> Tally {
         let found = rows.iter().find(|row| row.walk == walk && row.rays == rays);

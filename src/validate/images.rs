@@ -6,7 +6,7 @@ use super::report::{CaseVerdict, Pictures, Provenance, Renderer, Test, TierVerdi
 use super::{Options, sha256};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::picture::tiles::{self, DeterministicLimits, StatisticalLimits};
+use crate::picture::agreement::{self, DeterministicLimits, StatisticalLimits};
 use crate::picture::{Picture, flip, io, metrics};
 use crate::render::{Integrator, Sampler, Settings};
 use crate::scene::Scene;
@@ -67,7 +67,7 @@ pub(super) fn judge_deterministic(
     let (ours, rays) = options.render(scene, accel, &settings)?;
     verdict.rays = rays;
     verdict.seconds = start.elapsed().as_secs_f64();
-    let test = tiles::deterministic(&ours, theirs, limits);
+    let test = agreement::deterministic(&ours, theirs, limits);
     (verdict.passed, verdict.reasons) = (test.passed, test.reasons.clone());
     let [most, theirs_most] = [&ours, theirs].map(|p| p.pixels.iter().flatten().copied().fold(0.0, f32::max));
     if !test.passed && theirs_most == 1.0 && most > 1.0 {
@@ -77,7 +77,7 @@ pub(super) fn judge_deterministic(
     verdict.samples = u64::from(grid).pow(2);
     conclude(&mut verdict, &ours, theirs);
     if options.keep_pictures {
-        let map = tiles::above_limits(&ours, theirs).ok();
+        let map = agreement::above_limits(&ours, theirs).ok();
         verdict.pictures = Some(Pictures { ours, theirs: theirs.clone(), map });
     }
     Ok(verdict)
@@ -99,7 +99,7 @@ fn against_mitsuba(stored: &Mitsuba, scene: &Scene, accel: &dyn Accel, options: 
         Err(error) => return verdict.failed(&error),
         Ok(both) => both,
     };
-    let test = tiles::statistical(ours.estimate(), theirs.estimate(), StatisticalLimits::default());
+    let test = agreement::statistical(ours.estimate(), theirs.estimate(), StatisticalLimits::default());
     (verdict.passed, verdict.reasons) = (test.passed, test.reasons.clone());
     verdict.test = Some(Test::Statistical(test));
     verdict.samples = u64::from(options.replicates) * u64::from(options.spp);
@@ -141,7 +141,7 @@ fn check_digest(image: &Path, what: &str, picture: &Picture, expected: &str) -> 
 pub(super) fn conclude_noisy(verdict: &mut TierVerdict, ours: &Measured, theirs: &Measured, options: &Options) {
     conclude(verdict, &ours.mean, &theirs.mean);
     if options.keep_pictures {
-        let map = tiles::z_map(ours.estimate(), theirs.estimate()).ok();
+        let map = agreement::z_map(ours.estimate(), theirs.estimate()).ok();
         verdict.pictures = Some(Pictures { ours: ours.mean.clone(), theirs: theirs.mean.clone(), map });
     }
 }

@@ -62,7 +62,7 @@ pub struct PovRay {
     /// Share (0 to 1) of pixels beyond 1 % between this picture and a faultless renderer with f32 rays; 0 if absent.
     #[serde(default)]
     pub out1_floor: f64,
-    /// Allowed [`crate::picture::tiles::DeterministicVerdict::trim`], if not the usual one.
+    /// Allowed [`crate::picture::agreement::DeterministicVerdict::trim`], if not the usual one.
     pub trim: Option<f64>,
     /// Why the tolerance is what it is; a must with `trim`.
     pub tolerance_reason: Option<String>,

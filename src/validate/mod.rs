@@ -39,14 +39,14 @@ pub type Progress<'a> = &'a (dyn Fn(usize, usize, &str) + Sync);
 /// How to validate.
 #[derive(Clone, Copy)]
 pub struct Options<'a> {
-    /// Worker threads; `None`: as many as there are cores.
+    /// Worker threads, 1 to 1024; `None`: as many as there are cores.
     pub threads: Option<usize>,
     /// Independent renders of ours against Mitsuba's mean, at least 2.
     pub replicates: u32,
-    /// Samples for each pixel in each of them. With 8 renders of 32, 1 % more albedo fails in all twelve reference scenes, 0.3 %
-    /// in seven whatever the seed; docs/validation.md has the table.
+    /// Samples for each pixel in each of them, above 0. With 8 renders of 32, 1 % more albedo fails in all twelve
+    /// reference scenes, 0.3 % in seven whatever the seed; docs/validation.md has the table.
     pub spp: u32,
-    /// The comparisons within noise are repeated with so many further sets of renders, see [`Reseed`].
+    /// The comparisons within noise are repeated with so many further sets of renders, see [`Reseed`]; 0: they are not.
     pub reseeds: u32,
     /// Keep pictures in the report, for [`Report::html`] and [`Report::write_pictures`].
     pub keep_pictures: bool,

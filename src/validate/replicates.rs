@@ -4,7 +4,7 @@ use super::Options;
 use crate::accel::Accel;
 use crate::error::Result;
 use crate::picture::Picture;
-use crate::picture::tiles::Estimate;
+use crate::picture::agreement::Estimate;
 use crate::render::{Integrator, Sampler, Settings};
 use crate::scene::Scene;
 

@@ -10,9 +10,9 @@ pub use environment::Environment;
 use super::reseed::Reseed;
 use super::steps::Steps;
 use crate::error::{Error, Result};
+use crate::picture::agreement::{DeterministicVerdict, StatisticalVerdict};
 use crate::picture::io::{Attributes, write};
 use crate::picture::metrics::Metrics;
-use crate::picture::tiles::{DeterministicVerdict, StatisticalVerdict};
 use crate::picture::{Picture, falsecolour};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -72,8 +72,8 @@ pub struct Pictures {
     pub ours: Picture,
     /// The reference.
     pub theirs: Picture,
-    /// Where they differ by the test that decided: [`crate::picture::tiles::above_limits`] or
-    /// [`crate::picture::tiles::z_map`]; `None` if the test could not be made.
+    /// Where they differ by the test that decided: [`crate::picture::agreement::above_limits`] or
+    /// [`crate::picture::agreement::z_map`]; `None` if the test could not be made.
     pub map: Option<Picture>,
 }
 
@@ -187,7 +187,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// True if there is something, nothing was left out, all passed, with all seeds, and the accelerators agree to the bit.
+    /// True if there is something, nothing is unfinished, all passed, with all seeds, and the accelerators agree to the
+    /// bit. Cases whose scene is not here do not count.
     pub fn passed(&self) -> bool {
         !self.entries.is_empty()
             && self.unfinished == 0

@@ -4,7 +4,7 @@ use super::Options;
 use super::replicates::{Measured, Wanted, replicate};
 use crate::accel::Accel;
 use crate::error::Result;
-use crate::picture::tiles::{self, StatisticalLimits, StatisticalVerdict};
+use crate::picture::agreement::{self, StatisticalLimits, StatisticalVerdict};
 use crate::scene::Scene;
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ pub(super) fn reseeds(
         if options.stopped() {
             break;
         }
-        let verdict = tiles::statistical(ours.estimate(), theirs.estimate(), limits);
+        let verdict = agreement::statistical(ours.estimate(), theirs.estimate(), limits);
         found.push(Reseed { case: case.into(), first_seed, verdict });
     }
     Ok(found)

@@ -6,7 +6,7 @@ use super::report::{CaseVerdict, Provenance, Renderer, Report, Test, TierVerdict
 use super::{Options, reseed};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::picture::tiles::{self, DeterministicLimits, StatisticalLimits};
+use crate::picture::agreement::{self, DeterministicLimits, StatisticalLimits};
 use crate::picture::{Picture, io};
 use crate::render::Integrator;
 use crate::scene::Scene;
@@ -25,7 +25,7 @@ pub struct Theirs {
     pub integrator: Integrator,
     /// Samples along a pixel's side, above 0; for Whitted's method.
     pub grid: u32,
-    /// Longest path in edges.
+    /// Longest path in edges, as [`crate::render::Settings::max_depth`] counts them.
     pub max_depth: u32,
 }
 
@@ -41,11 +41,45 @@ enum Known {
 
 /// Renders `scene` with each of `accels`, in the size of their pictures, and compares.
 ///
-/// A picture that differs, or has pixels that are not finite, is a failure in the report, not an error.
+/// A picture that differs, or has pixels that are not finite, is a failure in the report, not an error. Without accelerators
+/// there is nothing in the report, which does not pass then.
 ///
 /// # Errors
 /// A picture cannot be read or they differ in size; there are several for Whitted's method, or none; the integrator is
 /// neither of the two; an accelerator is unknown; a setting is out of range.
+///
+/// ```
+/// use skipgrid::picture::io;
+/// use skipgrid::render::{Integrator, Sampler, Settings, render};
+/// use skipgrid::scene::{LoadOptions, load};
+/// use skipgrid::validate::{Options, Theirs, against};
+///
+/// let scene = load("random:n=20", &LoadOptions::default())?;
+/// // Stands for a picture of yours; `examples/validate_own.rs` has a renderer that owes nothing to ours.
+/// let settings = Settings {
+///     integrator: Integrator::Whitted,
+///     sampler: Sampler::Regular(1),
+///     width: 32,
+///     height: 24,
+///     ..Settings::default()
+/// };
+/// let mut picture = render(&scene, &scene.accel("brute")?, &settings, &|_, _| {})?.picture();
+/// let file = std::env::temp_dir().join(format!("skipgrid-theirs-{}.exr", std::process::id()));
+/// io::write(&file, &picture, &io::Attributes::default())?;
+///
+/// let max_depth = settings.max_depth;
+/// let theirs = Theirs { images: vec![file.clone()], renders: 2, integrator: Integrator::Whitted, grid: 1, max_depth };
+/// let accels = ["grid".to_string()];
+/// assert!(against(&scene, &theirs, &accels, &Options::default())?.passed());
+///
+/// // One per cent too bright.
+/// picture.pixels.iter_mut().flatten().for_each(|value| *value *= 1.01);
+/// io::write(&file, &picture, &io::Attributes::default())?;
+/// let report = against(&scene, &theirs, &accels, &Options::default())?;
+/// assert!(!report.passed() && !report.entries[0].verdict.tiers[0].reasons.is_empty());
+/// # std::fs::remove_file(&file).map_err(|error| skipgrid::Error::io(&file, error))?;
+/// # Ok::<(), skipgrid::Error>(())
+/// ```
 pub fn against(scene: &Scene, theirs: &Theirs, accels: &[String], options: &Options) -> Result<Report> {
     options.check()?;
     let known = read(theirs)?;
@@ -146,7 +180,7 @@ fn compare(known: &Known, scene: &Scene, accel: &dyn Accel, theirs: &Theirs, opt
     };
     verdict.seconds = start.elapsed().as_secs_f64();
     if let Known::Measured(measured) | Known::Unmeasured(measured) = known {
-        let test = tiles::statistical(ours.estimate(), measured.estimate(), StatisticalLimits::default());
+        let test = agreement::statistical(ours.estimate(), measured.estimate(), StatisticalLimits::default());
         (verdict.passed, verdict.reasons) = (test.passed, test.reasons.clone());
         if matches!(known, Known::Unmeasured(_)) {
             verdict.reasons.push(unmeasured(test.passed).into());

@@ -6,8 +6,6 @@ use skipgrid::auto::{Kind, Look, choose};
 use skipgrid::registry::{build, promises_exact};
 use skipgrid::scene::{LoadOptions, Scene, load};
 use skipgrid::{Accel, Ray, Triangle};
-use std::path::Path;
-use std::process::Command;
 
 fn scene(spec: &str) -> Scene {
     load(spec, &LoadOptions::default()).expect("made by formula")
@@ -91,13 +89,8 @@ fn kinds_of_primitives_are_told_apart() {
 
 #[test]
 fn the_program_says_what_was_chosen_and_left_out() {
-    let run = |args: &[&str]| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_skipgrid")).args(args).current_dir(folder).output().expect("starts");
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        (output.status.code(), text(&output.stdout), text(&output.stderr))
-    };
+    let folder = crate::folder("auto", "said");
+    let run = |args: &[&str]| crate::ended(crate::program(&folder).args(args));
     let (code, out, _) = run(&["info", "random:n=50000", "--rays", "1e9", "--format", "json"]);
     let facts: serde_json::Value = serde_json::from_str(&out).expect("JSON");
     assert_eq!((code, &facts["accelerator"]), (Some(0), &"nested".into()), "{out}");

@@ -11,23 +11,15 @@ use skipgrid::stress::Contender;
 use skipgrid::{Accel, Hit, Ray, registry};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench").join(test);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("the target folder is writable");
-    folder
+    crate::folder("bench", test)
 }
 
 /// Exit code, standard output and standard error of the verb.
 fn skipgrid(folder: &Path, args: &[&str]) -> (Option<i32>, String, String) {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_skipgrid"));
-    program.arg("bench").args(args).current_dir(folder).stdin(Stdio::null()).env_remove("SKIPGRID_SHARED");
-    let output = program.output().expect("the program starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program writes Unicode");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+    crate::ended(crate::program(folder).arg("bench").args(args).env_remove("SKIPGRID_SHARED"))
 }
 
 #[test]

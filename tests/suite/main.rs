@@ -1,4 +1,5 @@
 //! One test program: behaviour through the public interface.
+
 mod auto;
 mod bad_input;
 mod bench;
@@ -41,4 +42,29 @@ pub fn shared(name: &str) -> Option<std::path::PathBuf> {
     }
     eprintln!("skipped: {} is not there", path.display());
     None
+}
+
+/// An empty folder below `target/` for one test of the module `suite`.
+pub fn folder(suite: &str, test: &str) -> std::path::PathBuf {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(suite).join(test);
+    // Absent the first time.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("the target folder is writable");
+    folder
+}
+
+/// The program, to be given arguments and run in `folder`, with nothing to read.
+pub fn program(folder: &std::path::Path) -> std::process::Command {
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_skipgrid"));
+    command.current_dir(folder).stdin(std::process::Stdio::null());
+    command
+}
+
+/// Exit code, standard output and standard error of a program that does not panic.
+pub fn ended(command: &mut std::process::Command) -> (Option<i32>, String, String) {
+    let output = command.output().expect("the program starts");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program writes Unicode");
+    let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+    assert!(!stderr.contains("panicked"), "{stderr}");
+    (output.status.code(), stdout, stderr)
 }

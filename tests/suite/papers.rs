@@ -11,10 +11,7 @@ fn skipgrid(folder: &Path, args: &[&str]) -> Output {
 }
 
 pub fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("papers").join(test);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("the target folder is writable");
-    folder
+    crate::folder("papers", test)
 }
 
 fn text(bytes: &[u8]) -> String {

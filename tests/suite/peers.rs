@@ -7,7 +7,7 @@ use skipgrid::geometry::Mixed;
 use skipgrid::registry::{self, Entry, Needs};
 use skipgrid::scene::SceneGeometry;
 use skipgrid::{Accel, Hit, Ray, Sphere, Triangle};
-use std::process::Command;
+use std::path::Path;
 use std::sync::Arc;
 
 /// The peers that are compiled in and can be built here.
@@ -324,11 +324,8 @@ fn what_is_left_out_says_how_to_get_it() {
 }
 
 fn skipgrid(args: &[&str], embree: Option<&str>) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_skipgrid"));
-    command.args(args).envs(embree.map(|path| ("SKIPGRID_EMBREE", path)));
-    let output = command.output().expect("the program starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program writes Unicode");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+    let embree = embree.map(|path| ("SKIPGRID_EMBREE", path));
+    crate::ended(crate::program(Path::new(".")).args(args).envs(embree))
 }
 
 #[test]

@@ -6,24 +6,10 @@ mod radiance;
 
 use skipgrid::picture::Picture;
 use skipgrid::picture::io::{self, Attributes, PngEncoding};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// A folder of its own for one test, under `target/`.
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures").join(test);
-    std::fs::create_dir_all(&folder).expect("a writable target folder");
-    folder
-}
-
-fn shared(path: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("SKIPGRID_SHARED").map(PathBuf::from);
-    let root = root.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"));
-    let found = root.join(path);
-    if !found.exists() {
-        eprintln!("skipped: {} is absent", found.display());
-        return None;
-    }
-    Some(found)
+    crate::folder("pictures", test)
 }
 
 /// Values of all magnitudes, not symmetric in any way, with the odd ones among them.
@@ -156,7 +142,7 @@ fn writing_leaves_no_halves_behind() {
 
 #[test]
 fn refuses_every_damaged_exr_file() {
-    let Some(folder) = shared("scenes/malformed/exr") else { return };
+    let Some(folder) = crate::shared("scenes/malformed/exr") else { return };
     let mut seen = 0;
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();

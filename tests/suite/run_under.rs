@@ -51,8 +51,7 @@ fn text(bytes: &[u8]) -> String {
 
 /// An empty folder of the test's own, with an empty one below it for what is temporary.
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("run_under").join(test);
-    let _ = fs::remove_dir_all(&folder);
+    let folder = crate::folder("run_under", test);
     fs::create_dir_all(folder.join("tmp")).expect("the target folder is writable");
     folder
 }

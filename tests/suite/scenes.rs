@@ -5,12 +5,8 @@ use glam::{DVec3, Vec2, Vec3};
 use skipgrid::scene::{Bsdf, CameraSource, Filter, Light, LoadOptions, Scene, SceneGeometry, SceneParts, load};
 use std::path::{Path, PathBuf};
 
-/// A folder of its own for a test's files, empty.
-pub fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scenes").join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("the target folder can be written");
-    folder
+pub fn folder(test: &str) -> PathBuf {
+    crate::folder("scenes", test)
 }
 
 /// Reads a scene file without options.

@@ -311,16 +311,12 @@ fn accelerators_that_promise_nothing_do_not_decide() {
 
 /// Runs `skipgrid stress` and gives exit code, standard output and standard error.
 fn skipgrid(args: &[&str]) -> (Option<i32>, String, String) {
-    let program = std::process::Command::new(env!("CARGO_BIN_EXE_skipgrid")).arg("stress").args(args).output();
-    let output = program.expect("the program starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code(), text(&output.stdout), text(&output.stderr))
+    crate::ended(crate::program(std::path::Path::new(".")).arg("stress").args(args))
 }
 
 #[test]
 fn the_verb_prints_tables_and_writes_files() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("stress");
-    std::fs::create_dir_all(&folder).expect("the target folder is writable");
+    let folder = crate::folder("stress", "forms");
     let file = |name: &str| folder.join(name).display().to_string();
     let (csv, json, html) = (file("s.csv"), file("s.json"), file("s.html"));
     let files = ["--csv", &csv, "--json", &json, "--html", &html];

@@ -5,25 +5,15 @@ use skipgrid::measure::{Axis, RayOptions, SweepOptions, sweep};
 use skipgrid::scene::{LoadOptions, load};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep").join(test);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("the target folder is writable");
-    folder
+    crate::folder("sweep", test)
 }
 
 /// Exit code, standard output and standard error of the verb.
 fn skipgrid(folder: &Path, args: &[&str]) -> (Option<i32>, String, String) {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_skipgrid"));
-    program.arg("sweep").args(args).current_dir(folder).stdin(Stdio::null());
-    let output = program.output().expect("the program starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program writes Unicode");
-    let (stdout, stderr) = (text(output.stdout), text(output.stderr));
-    assert!(!stderr.contains("panicked"), "{stderr}");
-    (output.status.code(), stdout, stderr)
+    crate::ended(crate::program(folder).arg("sweep").args(args))
 }
 
 fn options() -> SweepOptions {

@@ -24,15 +24,8 @@ fn folder() -> Option<&'static Path> {
             if let Some(folder) = std::env::var_os("SKIPGRID_TRUTH") {
                 return Some(folder.into());
             }
-            let shared = std::env::var_os("SKIPGRID_SHARED")
-                .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-            let archive = shared.join("spec/stability-truth.tar.zst");
-            if !archive.is_file() {
-                eprintln!("skipped: no {}", archive.display());
-                return None;
-            }
-            let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("truth");
-            std::fs::create_dir_all(&folder).expect("the folder for temporary files can be written");
+            let archive = crate::shared("spec/stability-truth.tar.zst")?;
+            let folder = crate::folder("truth", "records");
             let status = Command::new("tar").arg("--zstd").arg("-xf").arg(&archive).arg("-C").arg(&folder).status();
             match status {
                 Ok(status) if status.success() => Some(folder),

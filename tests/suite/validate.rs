@@ -12,11 +12,8 @@ use skipgrid::scene::{LoadOptions, Scene, load};
 use skipgrid::validate::{self, Case, Manifest, Options, check_case, sha256};
 use std::path::{Path, PathBuf};
 
-/// A folder of its own for one test, under `target/`.
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("validate").join(test);
-    std::fs::create_dir_all(&folder).expect("a writable target folder");
-    folder
+    crate::folder("validate", test)
 }
 
 /// The committed pictures of other programs.
@@ -150,7 +147,7 @@ fn reports_say_what_was_found() {
     let json = serde_json::to_value(&report).expect("serialised");
     assert_eq!(json["entries"][1]["verdict"]["tiers"][0]["renderer"], "povray");
     assert_eq!(json["entries"][0]["verdict"]["tiers"][0]["test"]["kind"], "deterministic");
-    let out = folder("reports").join("pictures");
+    let out = folder("reports-pictures");
     assert_eq!(report.write_pictures(&out).expect("written"), 6);
     assert!(io::read(out.join("small-povray-brute-ours.exr")).is_ok());
 }

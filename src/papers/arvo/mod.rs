@@ -6,7 +6,7 @@ mod scenes;
 
 use super::plot::{Line, Lines, Plot};
 use super::report::{Report, significant};
-use super::{Watch, plain_first};
+use super::{Watch, plain_first, rising};
 use crate::bsp::{Form, Regular};
 use crate::error::{Error, Result};
 use crate::measure::Machine;
@@ -20,7 +20,7 @@ pub struct Options {
     pub grids: Vec<u32>,
     /// Rays through each of them, at least 1.
     pub rays: u32,
-    /// Rows and columns of the pictures.
+    /// Rows and columns of the pictures, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -60,9 +60,7 @@ pub fn run(options: &Options, watch: &Watch) -> Result<Report> {
         let (grids, rays, rounds) = (options.grids.len(), options.rays, options.rounds);
         return Err(Error::invalid(format!("nothing to measure: {grids} trees, {rays} rays, {rounds} rounds")));
     }
-    let mut grids = options.grids.clone();
-    grids.sort_unstable();
-    grids.dedup();
+    let grids = rising(&options.grids);
     let trees: Vec<Regular> = grids.iter().map(|&n| Regular::new(n)).collect::<Result<_>>()?;
     let stages = trees.len() + options.scenes.len();
     let (mut levels, mut cases) = (Vec::new(), Vec::new());

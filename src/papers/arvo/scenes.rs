@@ -66,8 +66,7 @@ pub(super) fn table(measured: &[Measured]) -> Table {
     for m in measured {
         for e in &m.entries {
             let counts = e.cost.counts;
-            let per_ray = |n: u64| n as f64 / counts.rays as f64;
-            let known = |n: u64| if n == 0 { f64::NAN } else { per_ray(n) };
+            let known = |n: u64| if n == 0 { f64::NAN } else { e.cost.per_ray(n) };
             let cells: [Cell; 13] = [
                 m.scene.as_str().into(),
                 m.primitives.into(),
@@ -75,11 +74,11 @@ pub(super) fn table(measured: &[Measured]) -> Table {
                 e.milliseconds.into(),
                 e.memory.total().into(),
                 m.rays.into(),
-                (1e9 * e.cost.seconds / m.rays as f64).into(),
+                e.cost.nanoseconds().into(),
                 (100.0 * e.cost.spread).into(),
                 known(counts.steps).into(),
                 known(counts.leaves).into(),
-                per_ray(counts.tests).into(),
+                e.cost.per_ray(counts.tests).into(),
                 (e.cost.seconds / m.entries[0].cost.seconds).into(),
                 e.cost.wrong.into(),
             ];

@@ -21,7 +21,7 @@ use errors::Study;
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the films that the rays of the scenes go through.
+    /// Rows and columns of the films that the rays of the scenes go through, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -69,8 +69,8 @@ fn report(options: &Options, costs: &[Cost], study: &Study) -> Report {
          without an epsilon. The textbook walk is Amanatides & Woo's in f32 with tMax accumulated; the grid below it is ours, \
          whose voxels are padded.",
         "The mix is fixed: cases of the stress test's catalogue, two of ordinary rays and six that are aimed at corners, edges \
-         and seams, along axes, at needles and from far away. An error is strict: a hit missed or invented, or a primitive that exact arithmetic does not put first (any of \
-         those that tie will do).",
+         and seams, along axes, at needles and from far away. An error is strict: a hit missed or invented, or a primitive that \
+         exact arithmetic does not put first (any of those that tie will do).",
         "Peers run as their authors intend, with triangle tests of their own and in most cases other trees than a grid: their \
          times say what they cost, not what their tests cost.",
     ]

@@ -1,6 +1,6 @@
 //! Groups of bars, side by side for several measures.
 
-use super::{Anchor, COLOURS, LETTER, Svg, escaped};
+use super::{Anchor, COLOURS, LETTER, MARGIN, Svg, escaped, heading_width};
 use crate::papers::report::significant;
 
 /// Labelled bars in groups; every group has a scale of its own in each column, from 0 to its longest bar.
@@ -33,8 +33,6 @@ const LONGEST: f64 = 190.0;
 const COLUMN: f64 = LONGEST + 60.0;
 /// Above the rows of a group: headline.
 const ABOVE: f64 = 30.0;
-/// Around everything.
-const MARGIN: f64 = 20.0;
 /// Above all groups: title, subtitle, names of the columns.
 const HEAD: f64 = 92.0;
 
@@ -42,13 +40,11 @@ impl Bars {
     pub(super) fn svg(&self) -> String {
         let labels = self.groups.iter().flat_map(|g| &g.rows).map(|(label, ..)| label.chars().count());
         let left = MARGIN + LETTER * labels.max().unwrap_or(0) as f64 + 10.0;
-        let words = LETTER * 1.1 * self.subtitle.chars().count().max(self.title.chars().count() * 3 / 2) as f64;
+        let words = heading_width(&self.title, &self.subtitle);
         let width = (left + COLUMN * self.columns.len() as f64).max(words) + MARGIN;
         let rows: usize = self.groups.iter().map(|g| g.rows.len()).sum();
         let height = HEAD + ABOVE * self.groups.len() as f64 + ROW * rows as f64 + MARGIN;
-        let mut svg = Svg::new(width, height);
-        svg.text((MARGIN, 34.0), Anchor::Start, "title", &self.title);
-        svg.text((MARGIN, 54.0), Anchor::Start, "subtitle", &self.subtitle);
+        let mut svg = Svg::headed(width, height, &self.title, &self.subtitle);
         for (c, name) in self.columns.iter().enumerate() {
             svg.text((left + COLUMN * c as f64, 82.0), Anchor::Start, "panel", name);
         }

@@ -1,7 +1,7 @@
 //! Panels of lines over logarithmic planes, with bands around them and guides of a given slope.
 
 use super::scale::Scale;
-use super::{Anchor, COLOURS, LETTER, Svg};
+use super::{Anchor, COLOURS, MARGIN, Svg, heading_width, key_width};
 use crate::papers::report::significant;
 
 /// Panels in rows; a legend above names the lines of all.
@@ -58,8 +58,6 @@ pub struct Spread {
     pub high: f64,
 }
 
-/// Around everything.
-const MARGIN: f64 = 20.0;
 /// Left of a plane: tick labels.
 const LEFT: f64 = 62.0;
 /// Above a plane: headline and name of the vertical scale.
@@ -75,26 +73,22 @@ impl Curves {
     pub(super) fn svg(&self) -> String {
         let columns = self.columns.clamp(1, self.planes.len().max(1));
         let (wide, high) = (LEFT + self.size.0 + 16.0, ABOVE + self.size.1 + BELOW);
-        let words = LETTER * 1.1 * self.subtitle.chars().count().max(self.title.chars().count() * 3 / 2) as f64;
+        let words = heading_width(&self.title, &self.subtitle);
         let width = (wide * columns as f64).max(words) + 2.0 * MARGIN;
-        let key = |name: &String| 33.0 + LETTER * name.chars().count() as f64;
         // Places of the legend's entries, line by line.
         let (mut x, mut y, mut keys) = (MARGIN, HEAD, Vec::new());
         for name in &self.series {
-            if x > MARGIN && x + key(name) > width - MARGIN {
+            if x > MARGIN && x + key_width(name) > width - MARGIN {
                 (x, y) = (MARGIN, y + KEYS);
             }
             keys.push((x, y));
-            x += key(name);
+            x += key_width(name);
         }
         let head = y + KEYS;
         let rows = self.planes.len().div_ceil(columns) as f64;
-        let mut svg = Svg::new(width, head + high * rows + MARGIN);
-        svg.text((MARGIN, 34.0), Anchor::Start, "title", &self.title);
-        svg.text((MARGIN, 54.0), Anchor::Start, "subtitle", &self.subtitle);
-        for (i, (name, (x, y))) in self.series.iter().zip(keys).enumerate() {
-            svg.mark((x + 5.0, y + 8.0), i, name);
-            svg.text((x + 15.0, y + 12.0), Anchor::Start, "", name);
+        let mut svg = Svg::headed(width, head + high * rows + MARGIN, &self.title, &self.subtitle);
+        for (i, (name, place)) in self.series.iter().zip(keys).enumerate() {
+            svg.key(place, i, name);
         }
         for (i, plane) in self.planes.iter().enumerate() {
             let corner = (MARGIN + LEFT + wide * (i % columns) as f64, head + ABOVE + high * (i / columns) as f64);

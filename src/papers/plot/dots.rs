@@ -1,7 +1,7 @@
 //! Panels of labelled rows with a dot for each series.
 
 use super::scale::Scale;
-use super::{Anchor, LETTER, Svg};
+use super::{Anchor, LETTER, MARGIN, Svg, heading_width, key_width};
 use crate::papers::report::significant;
 
 /// Small multiples: every panel has the same series, and a scale of its own.
@@ -36,8 +36,6 @@ const SCALE: f64 = 280.0;
 const ABOVE: f64 = 26.0;
 /// Below them: tick labels and air.
 const BELOW: f64 = 40.0;
-/// Around everything.
-const MARGIN: f64 = 20.0;
 /// Above all panels: title, subtitle, legend.
 const HEAD: f64 = 96.0;
 
@@ -49,16 +47,13 @@ impl Dots {
         let across = label + SCALE + 30.0;
         let height = |row: &[Panel]| ABOVE + BELOW + ROW * row.iter().map(|p| p.rows.len()).max().unwrap_or(0) as f64;
         let legend: f64 = self.series.iter().map(|s| key_width(s)).sum();
-        let words = LETTER * 1.1 * self.subtitle.chars().count().max(self.title.chars().count() * 3 / 2) as f64;
+        let words = heading_width(&self.title, &self.subtitle);
         let width = (2.0 * MARGIN + across * columns as f64).max(2.0 * MARGIN + legend.max(words));
         let all: f64 = self.panels.chunks(columns).map(height).sum();
-        let mut svg = Svg::new(width, HEAD + all + MARGIN);
-        svg.text((MARGIN, 34.0), Anchor::Start, "title", &self.title);
-        svg.text((MARGIN, 54.0), Anchor::Start, "subtitle", &self.subtitle);
+        let mut svg = Svg::headed(width, HEAD + all + MARGIN, &self.title, &self.subtitle);
         let mut x = MARGIN;
         for (i, name) in self.series.iter().enumerate() {
-            svg.mark((x + 5.0, 74.0), i, name);
-            svg.text((x + 15.0, 78.0), Anchor::Start, "", name);
+            svg.key((x, 66.0), i, name);
             x += key_width(name);
         }
         let mut top = HEAD;
@@ -108,9 +103,4 @@ impl Dots {
             }
         }
     }
-}
-
-/// Width of an entry of the legend.
-fn key_width(name: &str) -> f64 {
-    15.0 + LETTER * name.chars().count() as f64 + 18.0
 }

@@ -42,9 +42,7 @@ impl Lines {
         let points = || self.lines.iter().flat_map(|l| l.points.iter());
         let across = Scale::new(points().map(|p| p.0), LEFT, right);
         let up = Scale::new(points().map(|p| p.1), BOTTOM, TOP);
-        let mut svg = Svg::new(WIDTH, HEIGHT);
-        svg.text((20.0, 34.0), Anchor::Start, "title", &self.title);
-        svg.text((20.0, 54.0), Anchor::Start, "subtitle", &self.subtitle);
+        let mut svg = Svg::headed(WIDTH, HEIGHT, &self.title, &self.subtitle);
         for tick in &across.ticks {
             let Some(x) = across.at(*tick) else { continue };
             svg.line((x, TOP), (x, BOTTOM), "grid");

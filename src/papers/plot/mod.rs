@@ -1,4 +1,5 @@
-//! Plots as SVG: bars, dots in rows, lines with and without bands, and spots; logarithmic scales, colours and shapes that colour-blind readers can tell apart.
+//! Plots as SVG: bars, dots in rows, lines with and without bands, and spots; logarithmic scales, colours and shapes that
+//! colour-blind readers can tell apart.
 
 mod bars;
 mod curves;
@@ -49,6 +50,9 @@ const COLOURS: [&str; 6] = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7
 /// Mean width of a letter of 11 pixels' type, pixels; a little more than most.
 const LETTER: f64 = 6.4;
 
+/// Around everything, pixels.
+const MARGIN: f64 = 20.0;
+
 /// An SVG document in the making. Coordinates are pixels from the top left corner.
 struct Svg {
     width: f64,
@@ -65,8 +69,12 @@ enum Anchor {
 }
 
 impl Svg {
-    fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new() }
+    /// A document with a headline and a line below it, which end 54 pixels from the top.
+    fn headed(width: f64, height: f64, title: &str, subtitle: &str) -> Self {
+        let mut svg = Self { width, height, body: String::new() };
+        svg.text((MARGIN, 34.0), Anchor::Start, "title", title);
+        svg.text((MARGIN, 54.0), Anchor::Start, "subtitle", subtitle);
+        svg
     }
 
     fn add(&mut self, element: std::fmt::Arguments) {
@@ -103,6 +111,12 @@ impl Svg {
         self.add(format_args!("{shape} fill=\"{colour}\" class=\"mark\"><title>{words}</title></{}>", tag(&shape)));
     }
 
+    /// The entry of series `i` in the legend; its upper left corner is (x, y).
+    fn key(&mut self, (x, y): (f64, f64), i: usize, name: &str) {
+        self.mark((x + 5.0, y + 8.0), i, name);
+        self.text((x + 15.0, y + 12.0), Anchor::Start, "", name);
+    }
+
     fn finish(self) -> String {
         let Self { width, height, body } = self;
         format!(
@@ -118,6 +132,16 @@ text{font-family:Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif;font
 .title{font-size:18px;font-weight:bold}.subtitle{font-size:12px;fill:#555}.panel{font-size:13px;font-weight:bold}\
 .tick{fill:#555}.grid{stroke:#ddd}.axis{stroke:#888}.span{stroke:#bbb;stroke-width:2}\
 .mark{stroke:white;stroke-width:0.8}";
+
+/// Width of an entry of the legend, pixels.
+fn key_width(name: &str) -> f64 {
+    33.0 + LETTER * name.chars().count() as f64
+}
+
+/// Width of the headline or the line below it, whichever is longer, pixels.
+fn heading_width(title: &str, subtitle: &str) -> f64 {
+    LETTER * 1.1 * subtitle.chars().count().max(title.chars().count() * 3 / 2) as f64
+}
 
 /// The name of an opened element.
 fn tag(element: &str) -> &str {

@@ -1,7 +1,7 @@
 //! Named spots over a plane with logarithmic scales, and a lane for zeros.
 
 use super::scale::Scale;
-use super::{Anchor, LETTER, Svg};
+use super::{Anchor, LETTER, MARGIN, Svg, key_width};
 use crate::papers::report::significant;
 
 /// A plane of spots: across from zero, which has a lane of its own, over a logarithmic scale; up a logarithmic scale.
@@ -50,14 +50,11 @@ impl Scatter {
     pub(super) fn svg(&self) -> String {
         let across = Scale::new(self.spots.iter().map(|s| s.x), LEFT, RIGHT);
         let up = Scale::new(self.spots.iter().map(|s| s.y), BOTTOM, TOP);
-        let mut svg = Svg::new(WIDTH, HEIGHT);
-        svg.text((20.0, 34.0), Anchor::Start, "title", &self.title);
-        svg.text((20.0, 54.0), Anchor::Start, "subtitle", &self.subtitle);
-        let mut key = 20.0;
+        let mut svg = Svg::headed(WIDTH, HEIGHT, &self.title, &self.subtitle);
+        let mut x = MARGIN;
         for (i, name) in self.series.iter().enumerate() {
-            svg.mark((key + 5.0, 74.0), i, name);
-            svg.text((key + 15.0, 78.0), Anchor::Start, "", name);
-            key += 33.0 + LETTER * name.chars().count() as f64;
+            svg.key((x, 66.0), i, name);
+            x += key_width(name);
         }
         self.frame(&mut svg, &across, &up);
 
@@ -69,12 +66,7 @@ impl Scatter {
         let mut names: Vec<(f64, f64, f64)> = placed.iter().map(|((x, y), _)| (x - 6.0, x + 6.0, *y)).collect();
         for ((x, y), spot) in placed {
             let (from, to) = (x + 9.0, x + 9.0 + LETTER * spot.name.chars().count() as f64);
-            let mut height = y;
-            while let Some((.., other)) =
-                names.iter().find(|(a, b, other)| *a < to && from < *b && (other - height).abs() < LINE)
-            {
-                height = other + LINE;
-            }
+            let height = free(&names, (from, to), y);
             names.push((from, to, height));
             if height > y {
                 svg.line((x, y), (from - 2.0, height), "grid");
@@ -106,5 +98,35 @@ impl Scatter {
         svg.line((left, TOP), (left, BOTTOM), "axis");
         svg.text(((LEFT + RIGHT) / 2.0, HEIGHT - 20.0), Anchor::Middle, "", &self.x);
         svg.text((20.0, TOP - 10.0), Anchor::Start, "", &self.y);
+    }
+}
+
+/// The least height from `y` on at which a name between two ends covers none of `names`: left end, right end and height.
+fn free(names: &[(f64, f64, f64)], (from, to): (f64, f64), y: f64) -> f64 {
+    // A hundredth of a pixel is not seen: without it the rounding of a height just below a name would find that name again.
+    let covered = |a: f64, b: f64| (a - b).abs() < LINE - 0.01;
+    let mut height = y;
+    while let Some((.., other)) = names.iter().find(|(a, b, other)| *a < to && from < *b && covered(*other, height)) {
+        height = other + LINE;
+    }
+    height
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_goes_below_the_one_it_would_cover_whatever_is_rounded() {
+        let mut rounded = 0;
+        for i in 0..1000 {
+            let y = 110.0 + 0.39 * f64::from(i);
+            rounded += usize::from((y + LINE) - y < LINE);
+            let names = [(0.0, 50.0, y), (0.0, 50.0, y + LINE), (60.0, 90.0, y + 2.0 * LINE)];
+            assert_eq!(free(&names[..1], (10.0, 30.0), y), y + LINE);
+            assert_eq!(free(&names, (10.0, 30.0), y - 1.0), y + LINE + LINE);
+            assert_eq!(free(&names, (51.0, 59.0), y), y);
+        }
+        assert!(rounded > 0, "no height shows what rounding does");
     }
 }

@@ -20,7 +20,7 @@ use views::VIEWS_IN_WORDS;
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the pictures.
+    /// Rows and columns of the pictures, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -119,8 +119,8 @@ fn plot(study: &Study) -> Plot {
     };
     let panels = (0..study.scenes.len()).flat_map(|s| {
         [
-            panel(s, "voxels entered by a ray", &|c| c.counts.steps as f64 / c.counts.rays as f64),
-            panel(s, "nanoseconds a ray", &|c| 1e9 * c.seconds / c.counts.rays as f64),
+            panel(s, "voxels entered by a ray", &|c| c.per_ray(c.counts.steps)),
+            panel(s, "nanoseconds a ray", &|c| c.nanoseconds()),
         ]
     });
     Plot::Dots(Dots {

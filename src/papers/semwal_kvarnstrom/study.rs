@@ -1,7 +1,7 @@
 //! The measured numbers: every scene, grid size, view and method.
 
 use super::super::trace::{Asked, Cost, check, costs, record, thinned};
-use super::super::{PLAIN, Watch, plain_first};
+use super::super::{PLAIN, Watch, plain_first, rising};
 use super::Options;
 use super::landing::{self, Landing};
 use super::views::{SETTINGS, Setting, VIEWS};
@@ -100,9 +100,7 @@ impl Study {
     /// As [`super::run`].
     pub fn measure(options: &Options, watch: &Watch) -> Result<Self> {
         let methods = plain_first(&options.accels);
-        let mut study = Study { methods, grids: options.grids.clone(), ..Study::default() };
-        study.grids.sort_unstable();
-        study.grids.dedup();
+        let mut study = Study { methods, grids: rising(&options.grids), ..Study::default() };
         let wanted = |s: &&Setting| options.scenes.is_empty() || options.scenes.iter().any(|name| name == s.name);
         let settings: Vec<&Setting> = SETTINGS.iter().filter(wanted).collect();
         let all = settings.len() * study.grids.len();

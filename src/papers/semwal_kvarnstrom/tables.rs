@@ -89,7 +89,7 @@ fn scene(study: &Study, s: usize) -> Table {
                     cost.counts.steps.into(),
                     cost.counts.leaps.into(),
                     distance(study, (s, v, g), m).into(),
-                    (cost.counts.tests as f64 / cost.counts.rays as f64).into(),
+                    cost.per_ray(cost.counts.tests).into(),
                     study.ratio(s, v, g, m).into(),
                     cost.wrong.into(),
                 ];

@@ -47,7 +47,7 @@ impl Exposures {
         Self { start, stop, count: ((stop - start).ceil() as u32).max(2) }
     }
 
-    /// Exposure `i`, in stops.
+    /// Exposure `i`, in stops; `i` from 0 to `count - 1`.
     pub fn stops(&self, i: u32) -> f64 {
         self.start + (self.stop - self.start) * f64::from(i) / f64::from(self.count - 1)
     }

@@ -20,8 +20,8 @@ use std::path::Path;
 const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 const COLOURS: [&str; 3] = ["R", "G", "B"];
 
-/// How pixels are packed. Blocks are compressed by several threads; without an order of their own they would stand in the file
-/// as they were finished, which differs from run to run.
+/// How pixels are packed. Blocks are compressed by several threads; without an order of their own they would stand in
+/// the file as they were finished, which differs from run to run.
 const ENCODING: Encoding =
     Encoding { compression: Compression::ZIP16, line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
 
@@ -31,7 +31,7 @@ type Part = Layer<AnyChannels<FlatSamples>>;
 /// Writes an EXR file with the channels `R`, `G`, `B` (the mean) and `variance.R`, `variance.G`, `variance.B`.
 ///
 /// # Errors
-/// The sizes disagree, or the file cannot be written.
+/// The two pictures differ in size, are empty or have not as many pixels as their size says, or the file cannot be written.
 pub fn write_with_variance(
     path: impl AsRef<Path>,
     mean: &Picture,

@@ -1,7 +1,8 @@
 //! Cars: bodies and wheels of triangular patches, parked in rows.
 
 use super::patch::{Edge, append, patch};
-use super::{Body, Entry, Mesh, Options, Stage, daylight, floor, lambert};
+use super::stock::{daylight, floor, lambert};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use crate::random::Random;
 use crate::scene::transform::{apply, placement};

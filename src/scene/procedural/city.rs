@@ -1,7 +1,8 @@
 //! City: blocks of random height on a plain.
 
 use super::patch::append;
-use super::{Body, Entry, Mesh, Options, Stage, box_mesh, floor, lambert, look, sun};
+use super::stock::{box_mesh, floor, lambert, look, sun};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use crate::random::Random;
 use crate::scene::RenderDefaults;

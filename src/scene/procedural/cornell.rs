@@ -1,6 +1,7 @@
 //! Cornell: a box with coloured walls, a light in the ceiling and two blocks.
 
-use super::{Body, Entry, Mesh, Options, Stage, box_mesh, lambert, look};
+use super::stock::{box_mesh, lambert, look};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use crate::scene::{Material, RenderDefaults};
 use glam::{DVec3, Vec3};

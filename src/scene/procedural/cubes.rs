@@ -1,6 +1,7 @@
 //! Cubes: lanes made of triangles.
 
-use super::{Body, Entry, Options, Stage, box_mesh, daylight, lambert};
+use super::stock::{box_mesh, daylight, lambert};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use glam::DVec3;
 

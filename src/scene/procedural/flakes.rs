@@ -1,6 +1,7 @@
 //! Flakes: the sphereflake, nine smaller spheres around each sphere; "balls" of Haines' SPD.
 
-use super::{Body, Entry, Options, Stage, lambert, look, mirror};
+use super::stock::{lambert, look, mirror};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::scene::{Light, Mesh, RenderDefaults};

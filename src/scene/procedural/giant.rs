@@ -1,6 +1,7 @@
 //! Giant: a sphereflake on a sphere two thousand times as large.
 
-use super::{Body, Entry, Options, Stage, flakes, lambert};
+use super::stock::lambert;
+use super::{Body, Entry, Options, Stage, flakes};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::Vec3;

@@ -1,6 +1,7 @@
 //! Balls of triangles: an icosahedron whose faces are halved along each edge, again and again.
 
-use super::{Mesh, Options, within};
+use super::options::within;
+use super::{Mesh, Options};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::DVec3;

@@ -1,7 +1,8 @@
 //! Icospheres: balls of triangles of random size at random places.
 
 use super::patch::append;
-use super::{Body, Entry, Mesh, Options, Stage, daylight, icosphere, lambert, random};
+use super::stock::{daylight, lambert};
+use super::{Body, Entry, Mesh, Options, Stage, icosphere, random};
 use crate::error::Result;
 
 pub(super) const ENTRY: Entry = Entry {

@@ -1,7 +1,8 @@
 //! Knot: a tube along a trefoil knot, with smooth normals.
 
 use super::patch::{Edge, patch};
-use super::{Body, Entry, Options, Stage, daylight, lambert};
+use super::stock::{daylight, lambert};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use glam::DVec3;
 use std::f64::consts::TAU;

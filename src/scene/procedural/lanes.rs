@@ -1,6 +1,7 @@
 //! Lanes: small spheres that form a cube of lanes.
 
-use super::{Body, Entry, Options, Stage, daylight, lambert};
+use super::stock::{daylight, lambert};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use glam::Vec3;

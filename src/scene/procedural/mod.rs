@@ -11,24 +11,27 @@ mod icosphere;
 mod icospheres;
 mod knot;
 mod lanes;
+mod options;
 mod overlap;
 pub(super) mod patch;
 mod random;
 mod soup;
 pub mod spd;
+mod stock;
 mod teapot;
 mod teapot_patches;
 mod teapot_stadium;
 mod terrain;
 
 use super::budget::Budget;
-use super::{Bsdf, Camera, CameraSource, Light, LoadOptions, Material, Mesh, RenderDefaults, SceneParts};
+use super::{Camera, Light, LoadOptions, Material, Mesh, RenderDefaults, SceneParts};
 use crate::error::{Error, Result};
 use crate::geometry::bezier::ControlPoints;
 use crate::geometry::{SolidVoxels, Sphere};
 use crate::registry::did_you_mean;
-use glam::{DVec3, Vec3};
-use std::ops::RangeInclusive;
+use glam::Vec3;
+
+pub use options::Options;
 
 /// What a user may know about a procedural scene.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +47,9 @@ pub struct Entry {
     /// Where the scene comes from.
     pub source: &'static str,
     keys: &'static [&'static str],
-    /// At least as many primitives as `body` will make, whatever the values of the options.
+    /// Makes the geometry.
     body: fn(&Options) -> Result<Body>,
+    /// What stands around it.
     stage: fn(&Options) -> Stage,
 }
 
@@ -83,62 +87,6 @@ pub const ENTRIES: &[Entry] = &[
     spd::tetra::ENTRY,
     spd::tree::ENTRY,
 ];
-
-/// Options of a procedural scene; `None`: the entry's default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Options {
-    /// A count; each entry says of what.
-    pub n: Option<u64>,
-    /// Levels of recursion.
-    pub depth: Option<u64>,
-    /// Seed of the random numbers.
-    pub seed: Option<u64>,
-    /// Sides of each cone and cylinder.
-    pub sides: Option<u64>,
-    /// Spheres of triangles: halvings of an icosahedron's edges.
-    pub balls: Option<u64>,
-    /// Primitives that there is memory for.
-    pub(super) room: Option<u64>,
-}
-
-impl Options {
-    fn n(&self, default: u64, range: RangeInclusive<u64>) -> Result<u32> {
-        within("n", self.n.unwrap_or(default), range)
-    }
-
-    fn depth(&self, default: u64, range: RangeInclusive<u64>) -> Result<u32> {
-        within("depth", self.depth.unwrap_or(default), range)
-    }
-
-    /// Refuses to make `count` primitives if memory is left for fewer.
-    fn limit(&self, count: u64) -> Result<()> {
-        match self.room {
-            Some(room) if count > room => Err(Error::invalid(format!("{count} primitives, memory is left for {room}"))),
-            _ => Ok(()),
-        }
-    }
-
-    fn set(&mut self, key: &str, value: u64) {
-        match key {
-            "n" => self.n = Some(value),
-            "depth" => self.depth = Some(value),
-            "sides" => self.sides = Some(value),
-            "balls" => self.balls = Some(value),
-            _ => self.seed = Some(value),
-        }
-    }
-
-    fn given(&self) -> impl Iterator<Item = &'static str> {
-        let all =
-            [("n", self.n), ("depth", self.depth), ("seed", self.seed), ("sides", self.sides), ("balls", self.balls)];
-        all.into_iter().filter_map(|(key, value)| value.map(|_| key))
-    }
-}
-
-fn within(key: &str, value: u64, range: RangeInclusive<u64>) -> Result<u32> {
-    let good = range.contains(&value).then(|| u32::try_from(value).ok()).flatten();
-    good.ok_or_else(|| Error::invalid(format!("{key}={value} is not within {} to {}", range.start(), range.end())))
-}
 
 /// Geometry; materials are slot numbers, to be taken modulo the number of materials.
 #[derive(Clone, Debug, Default)]
@@ -249,63 +197,6 @@ fn unknown(name: &str) -> String {
     let names: Vec<_> = ENTRIES.iter().map(|e| e.name).collect();
     let hint = did_you_mean(&names, name, 2);
     format!("one of the procedural scenes {}{hint}", names.join(", "))
-}
-
-// What the stages share.
-
-fn lambert(name: &str, r: f32, g: f32, b: f32) -> Material {
-    let bsdf = Bsdf::Lambert { albedo: Vec3::new(r, g, b), texture: None };
-    Material { name: name.into(), bsdf, emission: Vec3::ZERO }
-}
-
-fn mirror(name: &str, share: f32) -> Material {
-    let bsdf = Bsdf::Mirror { reflectance: Vec3::splat(share) };
-    Material { name: name.into(), bsdf, emission: Vec3::ZERO }
-}
-
-/// White light that travels along (x, y, z).
-fn sun(x: f64, y: f64, z: f64, irradiance: f32) -> Light {
-    Light::Directional { direction: DVec3::new(x, y, z).normalize(), irradiance: Vec3::splat(irradiance) }
-}
-
-fn look(origin: [f64; 3], target: [f64; 3], up: DVec3, yfov: f64) -> Option<Camera> {
-    let (origin, target) = (DVec3::from_array(origin), DVec3::from_array(target));
-    Some(Camera { origin, target, up, yfov, source: CameraSource::File })
-}
-
-/// Daylight for a body that is seen by itself: a sun over the left shoulder and a dim sky; the camera is framed.
-fn daylight(palette: Vec<Material>) -> Stage {
-    Stage {
-        palette,
-        props: Vec::new(),
-        lights: vec![sun(-0.3, -0.8, -0.5, 2.0)],
-        environment: Vec3::splat(0.3),
-        camera: None,
-        defaults: RenderDefaults::default(),
-    }
-}
-
-/// A square at the given height, `half` to each side of (x, z) = (0, 0); its front looks up.
-fn floor(y: f32, half: f32) -> Mesh {
-    Mesh {
-        name: "floor".into(),
-        positions: vec![
-            Vec3::new(-half, y, half),
-            Vec3::new(half, y, half),
-            Vec3::new(half, y, -half),
-            Vec3::new(-half, y, -half),
-        ],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    }
-}
-
-/// The six outward quads of a box whose corner `i` is `corner(i & 1, i >> 1 & 1, i >> 2)`, two triangles each.
-fn box_mesh(name: &str, corner: impl Fn(bool, bool, bool) -> DVec3) -> Mesh {
-    let positions = (0..8_u8).map(|i| corner(i & 1 != 0, i & 2 != 0, i & 4 != 0).as_vec3()).collect();
-    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { name: name.into(), positions, triangles, ..Mesh::default() }
 }
 
 #[cfg(test)]

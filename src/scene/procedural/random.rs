@@ -1,6 +1,7 @@
 //! Random: spheres of random size at random places.
 
-use super::{Body, Entry, Options, Stage, daylight, lambert, mirror};
+use super::stock::{daylight, lambert, mirror};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::random::Random;

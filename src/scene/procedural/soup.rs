@@ -1,6 +1,7 @@
 //! Soups: unconnected triangles at random places; small ones, large ones that overlap, and slivers.
 
-use super::{Body, Entry, Mesh, Options, Stage, daylight, lambert};
+use super::stock::{daylight, lambert};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use crate::random::Random;
 use glam::DVec3;

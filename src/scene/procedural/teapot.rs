@@ -1,7 +1,8 @@
 //! Teapot: the Utah teapot from its 32 bicubic patches.
 
 use super::patch::{Edge, append, patch};
-use super::{Body, Entry, Mesh, Options, Stage, daylight, lambert};
+use super::stock::{daylight, lambert};
+use super::{Body, Entry, Mesh, Options, Stage};
 use crate::error::Result;
 use glam::DVec3;
 

@@ -1,7 +1,8 @@
 //! Teapot in a stadium: a small dense object in a large coarse scene.
 
 use super::patch::{Edge, patch};
-use super::{Body, Entry, Options, Stage, lambert, look, sun, teapot};
+use super::stock::{lambert, look, sun};
+use super::{Body, Entry, Options, Stage, teapot};
 use crate::error::Result;
 use crate::scene::RenderDefaults;
 use glam::{DVec3, Vec3};

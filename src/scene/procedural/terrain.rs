@@ -1,6 +1,7 @@
 //! Terrain: hills with caves, of solid voxels.
 
-use super::{Body, Entry, Options, Stage, daylight, lambert};
+use super::stock::{daylight, lambert};
+use super::{Body, Entry, Options, Stage};
 use crate::error::Result;
 use crate::geometry::SolidVoxels;
 use crate::random::Random;

@@ -3,7 +3,7 @@
 use super::html::{Group, anchor, badge, data_uri, escape};
 use super::tables::steps;
 use super::{Entry, Report, Steps, Test};
-use crate::picture::{Picture, falsecolour, tiles};
+use crate::picture::{Picture, agreement, falsecolour};
 use std::fmt::Write as _;
 
 /// A scene with all its pictures under one zoom.
@@ -160,7 +160,7 @@ pub(super) fn legends() -> String {
         let [r, g, b] = falsecolour::LIMITS[i].map(|v| (255.0 * v).round());
         format!("<span class=\"swatch\" style=\"background: rgb({r} {g} {b})\"></span>")
     };
-    let z = tiles::MAP_Z;
+    let z = agreement::MAP_Z;
     format!(
         "<section id=\"reading\">\n<h2>How to read the pictures</h2>\n<ul>\n\
          <li>Click a picture of ours to see theirs in its place, and again for ours. Split shows one at the left and the other at the \

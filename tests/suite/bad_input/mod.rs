@@ -92,12 +92,8 @@ pub fn shell(folder: &Path, script: &str, args: &[&str]) -> Run {
     Run::new(&args, &output)
 }
 
-/// An empty folder of the test's own.
 pub fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bad-input").join(test);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("the target folder is writable");
-    folder
+    crate::folder("bad-input", test)
 }
 
 /// Writes a file of `folder`.

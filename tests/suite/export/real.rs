@@ -1,7 +1,7 @@
 //! Whole scenes, exported and rendered by the real programs, are the pictures that we render ourselves.
 
 use super::{folder, run};
-use skipgrid::picture::tiles::{self, DeterministicLimits, DeterministicVerdict};
+use skipgrid::picture::agreement::{self, DeterministicLimits, DeterministicVerdict};
 use skipgrid::picture::{Picture, io, metrics};
 use skipgrid::render::{Integrator, Sampler, Settings, render};
 use skipgrid::scene::{ExportSettings, LoadOptions, Scene, load, mitsuba, povray};
@@ -61,7 +61,7 @@ fn povray_renders_exported_scenes_as_the_whitted_integrator_does() {
     for name in SCENES {
         let scene = read(name);
         let Some(theirs) = by_povray(&scene, &SIZE, &folder, &stem(name)) else { return };
-        let verdict = tiles::deterministic(
+        let verdict = agreement::deterministic(
             &ours(&scene, Integrator::Whitted, Sampler::Regular(1), &SIZE),
             &theirs,
             // One of the 1536 pixels may see an edge on its other side.

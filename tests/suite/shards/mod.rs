@@ -9,12 +9,8 @@ use crate::bad_input::{Run, names, shell, skipgrid, write};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// An empty folder of the test's own.
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("shards").join(test);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("the target folder is writable");
-    folder
+    crate::folder("shards", test)
 }
 
 /// The lines of a plan of `picture`, shards in `parts`.

@@ -5,8 +5,8 @@
 
 use super::faults::Fault;
 use super::{load_scene, reference};
+use skipgrid::picture::agreement::{StatisticalLimits, StatisticalVerdict};
 use skipgrid::picture::io;
-use skipgrid::picture::tiles::{StatisticalLimits, StatisticalVerdict};
 use skipgrid::render::Integrator;
 use skipgrid::scene::Scene;
 use skipgrid::validate::{Case, Options, Test, Theirs, against, check_case};

@@ -9,9 +9,8 @@ use std::process::{Command, Output};
 
 /// What the program says and does.
 fn program(folder: &Path, args: &[&str]) -> (Option<i32>, String) {
-    let run = Command::new(env!("CARGO_BIN_EXE_skipgrid")).arg("validate").args(args).current_dir(folder).output();
-    let run = run.expect("the program is built");
-    (run.status.code(), String::from_utf8(run.stderr).expect("text"))
+    let (code, _, stderr) = crate::ended(crate::program(folder).arg("validate").args(args));
+    (code, stderr)
 }
 
 fn environment() -> Environment {
@@ -97,7 +96,7 @@ fn a_failure_is_shown_with_its_reason() {
 
 #[test]
 fn the_program_writes_the_page_and_its_numbers() {
-    let folder = folder("report_program");
+    let folder = folder("report_program-pages");
     let manifest = own_reference("report_program");
     let accels = ["--accel", "brute", "--accel", "grid", "--spp", "4", "--replicates", "4"];
     let reference = ["--reference", manifest.parent().expect("a folder").to_str().expect("text")];

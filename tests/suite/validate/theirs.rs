@@ -10,7 +10,6 @@ use skipgrid::scene::{LoadOptions, Scene, load};
 use skipgrid::validate::{Options, Report, Theirs, against};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// The scene, and its file in `folder`.
 fn small(folder: &Path) -> Scene {
@@ -154,12 +153,7 @@ fn the_program_compares_them_and_writes_the_same_report() {
     let folder = folder("theirs_program");
     let scene = small(&folder);
     renders(&scene, &folder, "a", 4, 16);
-    let program = |args: &[&str]| {
-        let run = Command::new(env!("CARGO_BIN_EXE_skipgrid")).args(args).current_dir(&folder).output();
-        let run = run.expect("the program is built");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
-        (run.status.code(), text(run.stdout), text(run.stderr))
-    };
+    let program = |args: &[&str]| crate::ended(crate::program(&folder).args(args));
     let common = ["validate", "--scene", "small.toml", "--max-depth", "3", "--accel", "grid", "--accel", "brute"];
     let noisy = ["--theirs", "a0.pfm", "a1.pfm", "a2.pfm", "a3.pfm", "--reseed", "2"];
     let (code, stdout, stderr) =

@@ -1,6 +1,6 @@
 //! What surrounds the geometry of an SPD scene: surfaces, camera, lights, background.
 
-use super::super::look;
+use super::super::stock::look;
 use super::{Mesh, PIXELS, Stage};
 use crate::scene::{Bsdf, Light, Material, RenderDefaults};
 use glam::{DVec3, Vec3};

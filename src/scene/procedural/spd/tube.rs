@@ -19,7 +19,7 @@ pub(super) struct End {
 impl Options {
     /// Sides of each cone and cylinder.
     pub(super) fn sides(&self) -> Result<u32> {
-        super::super::within("sides", self.sides.unwrap_or(SIDES), 3..=256)
+        super::super::options::within("sides", self.sides.unwrap_or(SIDES), 3..=256)
     }
 }
 

@@ -17,9 +17,9 @@ const LEAST_P: f64 = 1e-300;
 /// A picture as the mean of independent renders, and how sure it is.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate<'a> {
-    /// Mean of the renders.
+    /// Mean of the renders, linear RGB; finite.
     pub mean: &'a Picture,
-    /// Variance of that mean: the variance over the renders, divided by their number.
+    /// Variance of that mean, of the same size: the variance over the renders, divided by their number. Finite, not negative.
     pub variance: &'a Picture,
     /// Number of renders, at least 2.
     pub replicates: u32,
@@ -29,11 +29,11 @@ pub struct Estimate<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "scene", derive(serde::Serialize))]
 pub struct StatisticalLimits {
-    /// For [`StatisticalVerdict::chi2_p`].
+    /// For [`StatisticalVerdict::chi2_p`], 0 to 1.
     pub chi2: f64,
-    /// For [`StatisticalVerdict::max_p`].
+    /// For [`StatisticalVerdict::max_p`], 0 to 1.
     pub max: f64,
-    /// For [`StatisticalVerdict::global_p`].
+    /// For [`StatisticalVerdict::global_p`], 0 to 1.
     pub global: f64,
 }
 
@@ -78,8 +78,8 @@ pub struct StatisticalVerdict {
 /// Estimates of different sizes, with a pixel that is not finite, a negative variance or fewer than two renders fail
 /// with that reason; all numbers are then NaN. Heavy-tailed noise (caustics of small lights) is beyond this test.
 ///
-/// Sources: Welch 1947, "The generalization of Student's problem when several different population variances are
-/// involved"; the tiles and limits are those of the project's notes on validation, section 8.2.
+/// Source: Welch 1947, "The generalization of Student's problem when several different population variances are
+/// involved". Which faults exceed the usual limits is measured in docs/validation.md.
 pub fn statistical(test: Estimate, reference: Estimate, limits: StatisticalLimits) -> StatisticalVerdict {
     let nan = f64::NAN;
     let mut verdict = StatisticalVerdict {
@@ -295,7 +295,7 @@ impl StatisticalVerdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::tiles::noise::uniform;
+    use crate::picture::agreement::noise::uniform;
 
     /// Mean and variance of the mean of `replicates` renders whose samples are uniform around a ramp.
     fn estimate(seed: u64, replicates: u32, noise: f64, factor: f64) -> (Picture, Picture) {

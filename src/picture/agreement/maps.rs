@@ -33,7 +33,7 @@ pub fn z_map(test: Estimate, reference: Estimate) -> Result<Picture> {
 /// and above 1 %.
 ///
 /// # Errors
-/// The sizes differ or a pixel is not finite.
+/// The sizes differ, the pictures are empty, or a pixel is not finite.
 pub fn above_limits(test: &Picture, reference: &Picture) -> Result<Picture> {
     metrics::check(test, reference)?;
     let pixels = test.pixels.iter().zip(&reference.pixels).map(|(a, b)| {

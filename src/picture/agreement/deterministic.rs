@@ -22,7 +22,7 @@ pub struct DeterministicLimits {
     pub out01: f64,
     /// For [`DeterministicVerdict::trim`], linear RGB.
     pub trim: f64,
-    /// For [`DeterministicVerdict::ratio`].
+    /// For [`DeterministicVerdict::ratio`], share.
     pub ratio: f64,
 }
 
@@ -65,7 +65,7 @@ pub struct DeterministicVerdict {
 /// Compares `test` with `reference` pixel by pixel.
 ///
 /// Pictures of different sizes, or with pixels that are not finite, fail with that reason; all numbers are then NaN.
-/// Source: the measurements are those of the project's notes on validation, section 8.1.
+/// Which faults exceed the usual limits is measured in docs/validation.md.
 pub fn deterministic(test: &Picture, reference: &Picture, limits: DeterministicLimits) -> DeterministicVerdict {
     let nan = f64::NAN;
     let mut verdict =

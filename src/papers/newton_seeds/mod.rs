@@ -1,12 +1,15 @@
 //! Amanatides & Woo 1987, last section: starting points for Newton's method in the voxels, on the patches of the teapot.
 
-use super::Watch as Progress;
+mod claims;
+mod tables;
+
 use super::plot::{Line, Lines, Plot};
-use super::report::{Claim, Report, Table, Verdict, significant};
+use super::report::Report;
 use super::trace::{Asked, Cost, Origin, ask, costs, pass, record, thinned};
+use super::{Watch, rising};
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::geometry::bezier::{BezierPatches, Method, Tally, Watch};
+use crate::geometry::bezier::{self, BezierPatches, Method, Tally};
 use crate::geometry::{Geometry, Triangle};
 use crate::measure::Machine;
 use crate::measure::rounds::{in_turns, median};
@@ -19,7 +22,7 @@ use std::time::Instant;
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Rows and columns of the picture.
+    /// Rows and columns of the picture, above 0.
     pub size: u32,
     /// Timed rounds, at least 1.
     pub rounds: u32,
@@ -89,10 +92,8 @@ struct Form {
 ///
 /// # Errors
 /// No subdivision or one out of range, no round; a grid beyond its memory budget; the picture's size is 0.
-pub fn run(options: &Options, watch: &Progress) -> Result<Report> {
-    let mut grids = options.grids.clone();
-    grids.sort_unstable();
-    grids.dedup();
+pub fn run(options: &Options, watch: &Watch) -> Result<Report> {
+    let grids = rising(&options.grids);
     if grids.is_empty() || options.rounds == 0 {
         let cause = format!("nothing to measure: {} subdivisions, {} rounds", grids.len(), options.rounds);
         return Err(Error::invalid(cause));
@@ -123,7 +124,7 @@ fn point(patches: &Arc<BezierPatches>, asked: &[Asked], grid: u32, options: &Opt
         let accel = registry::build(&spec, set.clone())?;
         let build_ms = start.elapsed().as_secs_f64() * 1e3;
         // Counted apart, so that the timed ones count nothing.
-        let counter = Arc::new(Watch::default());
+        let counter = Arc::new(bezier::Watch::default());
         let watched = registry::build(&spec, Arc::new(set.as_ref().clone().watched(counter.clone())))?;
         pass(asked, &watched);
         rows.push((counter.tally(), build_ms, accel.memory().references));
@@ -252,153 +253,17 @@ fn report(options: &Options, asked: &[Asked], points: &[Point], forms: &[Form]) 
         ]
         .map(String::from)
         .to_vec(),
-        claims: vec![fewer_iterations(points), less_time(points)],
-        tables: vec![tests_table(points), alone_table(points), forms_table(forms)],
+        claims: claims::judge(points),
+        tables: vec![tables::tests(points), tables::alone(points), tables::forms(forms)],
         plot: plot(points),
         wrong: points.iter().flat_map(|p| &p.rows).map(|row| row.cost.wrong).sum(),
-    }
-}
-
-fn tests_table(points: &[Point]) -> Table {
-    let mut table = Table::new(
-        "seeds",
-        "Certain tests: work and time",
-        &[
-            "voxels/axis",
-            "<tests",
-            "ns/ray",
-            "spread %",
-            "tests/ray",
-            "iterations/test",
-            "runs/test",
-            "failures/1000 tests",
-            "halvings/test",
-            "seed bytes",
-            "build ms",
-            "wrong rays",
-        ],
-    );
-    for point in points {
-        for ((name, ..), row) in WAYS.iter().zip(&point.rows) {
-            let t = &row.tally;
-            let each = |n: u64| n as f64 / t.tests as f64;
-            let rays = row.cost.counts.rays as f64;
-            // Grids whose tests begin in the middle keep no seeds.
-            let seeds = row.references - point.rows[1].references;
-            table.row([
-                point.grid.into(),
-                (*name).into(),
-                (1e9 * row.cost.seconds / rays).into(),
-                (100.0 * row.cost.spread).into(),
-                (row.cost.counts.tests as f64 / rays).into(),
-                each(t.iterations).into(),
-                each(t.runs).into(),
-                (1e3 * each(t.failures)).into(),
-                each(t.subdivisions).into(),
-                seeds.into(),
-                row.build_ms.into(),
-                row.cost.wrong.into(),
-            ]);
-        }
-    }
-    table
-}
-
-fn alone_table(points: &[Point]) -> Table {
-    let mut table = Table::new(
-        "alone",
-        "Newton's method alone: iterations of those that find the hit, and failures",
-        &["voxels/axis", "hits", "iterations seed", "failures % seed", "iterations middle", "failures % middle"],
-    );
-    for point in points {
-        let [seed, middle] = point.alone;
-        table.row([
-            point.grid.into(),
-            seed.hits.into(),
-            seed.mean().into(),
-            (100.0 * seed.failed()).into(),
-            middle.mean().into(),
-            (100.0 * middle.failed()).into(),
-        ]);
-    }
-    table
-}
-
-fn forms_table(forms: &[Form]) -> Table {
-    let mut table = Table::new(
-        "tessellation",
-        "Error against run time: patches and tessellated teapots, camera rays",
-        &[
-            "<form",
-            "primitives",
-            "bytes",
-            "build ms",
-            "ns/ray",
-            "mean depth error",
-            "median depth error",
-            "hit by one only %",
-        ],
-    );
-    for form in forms {
-        table.row([
-            form.name.as_str().into(),
-            form.primitives.into(),
-            form.bytes.into(),
-            form.build_ms.into(),
-            form.nanoseconds.into(),
-            form.error[0].into(),
-            form.error[1].into(),
-            (100.0 * form.differ).into(),
-        ]);
-    }
-    table
-}
-
-fn fewer_iterations(points: &[Point]) -> Claim {
-    let better = |p: &Point| p.alone[0].mean() < p.alone[1].mean() && p.alone[0].failures <= p.alone[1].failures;
-    let numbers: Vec<String> = points
-        .iter()
-        .map(|p| {
-            let words = |t: &Tries| format!("{} ({} % fail)", significant(t.mean()), significant(100.0 * t.failed()));
-            format!("{}: {} against {}", p.grid, words(&p.alone[0]), words(&p.alone[1]))
-        })
-        .collect();
-    let measured = points.iter().all(|p| p.alone[0].hits > 0);
-    Claim {
-        id: "A10",
-        claim: "a starting point kept in each voxel saves iterations",
-        rule: "at every subdivision Newton's method alone takes fewer iterations from the voxel's seed than from the \
-               patch's middle, and fails no more often",
-        verdict: if measured { Verdict::of(points.iter().all(better)) } else { Verdict::NotMeasured },
-        numbers: numbers.join("; "),
-    }
-}
-
-fn less_time(points: &[Point]) -> Claim {
-    let best = |way: usize| points.iter().map(|p| p.rows[way].cost.seconds).fold(f64::INFINITY, f64::min);
-    let rays = points.first().map_or(1, |p| p.rows[0].cost.counts.rays) as f64;
-    let nanoseconds = |way: usize| significant(1e9 * best(way) / rays);
-    Claim {
-        id: "A10 time",
-        claim: "and with them time",
-        rule: "the fastest grid with seeds in its voxels is faster than the fastest one whose tests begin in the middle",
-        verdict: Verdict::of(best(0) < best(1)),
-        numbers: format!(
-            "{} ns a ray against {}, and {} by subdivision alone",
-            nanoseconds(0),
-            nanoseconds(1),
-            nanoseconds(2)
-        ),
     }
 }
 
 fn plot(points: &[Point]) -> Plot {
     let line = |(way, (name, ..)): (usize, &(&str, &str, Method))| Line {
         name: (*name).to_string(),
-        points: points
-            .iter()
-            .map(|p| (f64::from(p.grid), 1e9 * p.rows[way].cost.seconds / p.rows[way].cost.counts.rays as f64))
-            .collect(),
+        points: points.iter().map(|p| (f64::from(p.grid), p.rows[way].cost.nanoseconds())).collect(),
     };
     Plot::Lines(Lines {
         title: "Where a patch test begins".into(),
