@@ -53,6 +53,23 @@ pub fn folder(suite: &str, test: &str) -> std::path::PathBuf {
     folder
 }
 
+/// Waits until the process catches interrupts and requests to end, so that it hears those that are sent to it; where /proc does not
+/// say, does not wait.
+#[cfg(unix)]
+pub fn await_listener(process: &std::process::Child) {
+    let (interrupt, end) = (1u64 << 1, 1u64 << 14);
+    for _ in 0..600 {
+        let Ok(status) = std::fs::read_to_string(format!("/proc/{}/status", process.id())) else { return };
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(u64::MAX);
+        if caught & interrupt != 0 && caught & end != 0 {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(100));
+    }
+    panic!("the process does not listen");
+}
+
 /// The program, to be given arguments and run in `folder`, with nothing to read.
 pub fn program(folder: &std::path::Path) -> std::process::Command {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_skipgrid"));

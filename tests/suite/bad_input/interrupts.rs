@@ -19,23 +19,8 @@ fn start(folder: &Path, args: &[&str]) -> Child {
         .expect("the program starts")
 }
 
-/// Waits until the program listens to signals, which Linux tells; elsewhere whoever sends waits long enough.
-fn await_listener(child: &Child) {
-    let (interrupt, end) = (1u64 << 1, 1u64 << 14);
-    for _ in 0..600 {
-        let Ok(status) = fs::read_to_string(format!("/proc/{}/status", child.id())) else { return };
-        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-        let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(u64::MAX);
-        if caught & interrupt != 0 && caught & end != 0 {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(100));
-    }
-    panic!("the program does not listen");
-}
-
 fn send(signal: &str, child: &Child) {
-    await_listener(child);
+    crate::await_listener(child);
     let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
     assert!(sent.success(), "the program has ended by itself");
 }

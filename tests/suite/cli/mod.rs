@@ -21,24 +21,13 @@ struct Run {
 
 /// Runs the program in `folder`.
 fn skipgrid(folder: &Path, args: &[&str]) -> Run {
-    let output = Command::new(env!("CARGO_BIN_EXE_skipgrid"))
-        .args(args)
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program writes Unicode");
-    let run = Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) };
-    assert!(!run.stderr.contains("panicked"), "{args:?}: {}", run.stderr);
-    run
+    let (code, stdout, stderr) = crate::ended(crate::program(folder).args(args));
+    Run { code, stdout, stderr }
 }
 
 /// An empty folder of the test's own.
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(test);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("the target folder is writable");
-    folder
+    crate::folder("cli", test)
 }
 
 /// Names of the files in `folder`, sorted.

@@ -4,15 +4,14 @@
 use super::*;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
-/// Starts `line`, sends `signal` to it after a moment, and waits.
+/// Starts `line`, sends `signal` to it once it listens, and waits.
 fn ended(folder: &Path, line: &str, signal: &str) -> std::process::ExitStatus {
     let mut command = Command::new("sh");
     // The shard takes the place of the shell, so that the signal reaches it.
     command.args(["-c", &format!("exec {line}")]).current_dir(folder).stdin(Stdio::null());
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("a shell");
-    std::thread::sleep(Duration::from_millis(400));
+    crate::await_listener(&child);
     let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
     assert!(sent.success(), "the shard has ended by itself");
     child.wait().expect("it ends")
