@@ -1,7 +1,6 @@
 //! Every command line of this program that a document or a help text shows is one that the program understands.
 
 use super::{Program, command as program};
-use crate::geometry::Triangle;
 use crate::registry;
 use clap::{Command, FromArgMatches};
 use std::fs;
@@ -70,14 +69,15 @@ fn fault(shown: &Shown) -> Option<String> {
         }
     }
     for pair in own.windows(2).filter(|pair| pair[0] == "--accel") {
-        // One capital letter stands for any name; voxels cannot be built over triangles, peers perhaps not on this machine.
+        // One capital letter stands for any name, a pattern for several; voxels cannot be built over triangles, peers perhaps not on
+        // this machine.
         let name = pair[1].split(':').next().unwrap_or_default();
         let known = registry::ENTRIES.iter().find(|entry| entry.name == name);
         let tried = known.is_none_or(|entry| entry.exact && entry.needs != registry::Needs::SolidVoxels);
-        if name != "A"
-            && name != "all"
+        let many = name == "A" || name == "all" || name.contains('*');
+        if !many
             && tried
-            && let Err(error) = registry::build(&pair[1], Vec::<Triangle>::new())
+            && let Err(error) = registry::build(&pair[1], Vec::<[glam::Vec3; 3]>::new())
         {
             return Some(error.to_string());
         }
