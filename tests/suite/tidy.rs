@@ -49,7 +49,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files above this many lines do more than one thing.
-const MOST_LINES: usize = 600;
+const MOST_LINES: usize = 420;
 
 /// Where unsafe code may stand: calls into other languages.
 const UNSAFE_ALLOWED: &[&str] =
