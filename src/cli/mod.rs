@@ -32,7 +32,7 @@ mod table;
 mod trace;
 mod validate;
 
-use clap::{Command, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ColorChoice, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use std::process::ExitCode;
 
@@ -85,7 +85,9 @@ fn command() -> Command {
     let command = with_negative_numbers(Program::command());
     let template =
         format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}{{options}}{{after-help}}", groups(&command));
-    command.help_template(template)
+    // Whatever else the environment says, such as CI=true, which counts for more elsewhere.
+    let dumb = std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb");
+    command.help_template(template).color(if dumb { ColorChoice::Never } else { ColorChoice::Auto })
 }
 
 /// `--rays -5` is a number that is refused with its reason, not an option that nobody knows.

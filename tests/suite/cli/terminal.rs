@@ -10,7 +10,7 @@ fn on_a_terminal(folder: &Path, variables: &str, line: &str) -> Option<String> {
     let mut command = Command::new("script");
     command.args(["-q", "-e", "-c", &inner, "/dev/null"]).current_dir(folder).stdin(Stdio::null());
     // What the tests run under must not decide.
-    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE"] {
+    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "CI"] {
         command.env_remove(name);
     }
     let Ok(output) = command.env("TERM", "xterm").output() else {
@@ -34,9 +34,14 @@ fn colour_is_for_terminals_that_want_it() {
     let folder = folder("colour");
     let Some(help) = on_a_terminal(&folder, "", "--help") else { return };
     assert!(coloured(&help), "{help:?}");
-    for (variables, line) in [("NO_COLOR=1", "--help"), ("TERM=dumb", "--help"), ("NO_COLOR=1", "render --help")] {
+    for (variables, line) in [
+        ("NO_COLOR=1", "--help"),
+        ("TERM=dumb", "--help"),
+        ("TERM=dumb CI=true", "render --help"),
+        ("NO_COLOR=1 CI=true", "render --help"),
+    ] {
         let Some(help) = on_a_terminal(&folder, variables, line) else { return };
-        assert!(help.contains("Usage") && !help.contains('\x1b'), "{variables}: {help:?}");
+        assert!(help.contains("skipgrid") && !help.contains('\x1b'), "{variables}: {help:?}");
     }
 }
 
