@@ -6,7 +6,7 @@ use super::document::measured;
 use super::input::{ContenderArgs, RayArgs, bits, note_camera, parse_size};
 use super::table::{Table, short};
 use super::trace::read_rays;
-use crate::accel::{Counts, Hit};
+use crate::accel::Hit;
 use crate::error::Result;
 use crate::measure::{Comparison, Difference, Query, Rounds, compare_with};
 use serde_json::{Value, json};
@@ -141,15 +141,10 @@ fn rates(result: &Comparison, flat: bool) -> Table {
             match row.rates[k] {
                 Some(rate) => {
                     let first = result.rows[0].rates[k].map_or(f64::NAN, |first| first.rays_per_second);
-                    let per_ray = |n: u64| short(n as f64 / rate.counts.rays as f64);
                     cells.push(short(rate.rays_per_second / 1e6));
                     cells.push(format!("{:.1}", 100.0 * rate.spread));
                     cells.push(short(rate.rays_per_second / first));
-                    // An accelerator that takes no step at all does not count them, and one that makes no test either counts nothing.
-                    let Counts { steps, leaps, tests, .. } = rate.counts;
-                    let counted = |is: bool, n: u64| if is { per_ray(n) } else { "-".to_string() };
-                    cells.extend([steps, leaps].map(|n| counted(steps > 0, n)));
-                    cells.push(counted(steps > 0 || tests > 0, tests));
+                    cells.extend([rate.steps_per_ray(), rate.leaps_per_ray(), rate.tests_per_ray()].map(short));
                 }
                 None => cells.extend(std::iter::repeat_n("-".to_string(), 6)),
             }

@@ -127,6 +127,27 @@ pub struct Rate {
     pub differing: u64,
 }
 
+impl Rate {
+    /// Primitive tests a ray; NaN if they are not counted: an accelerator that makes neither tests nor steps counts nothing.
+    pub fn tests_per_ray(&self) -> f64 {
+        self.per_ray(self.counts.tests, self.counts.tests > 0 || self.counts.steps > 0)
+    }
+
+    /// Voxels or nodes visited a ray; NaN if they are not counted: an accelerator that takes no step counts none.
+    pub fn steps_per_ray(&self) -> f64 {
+        self.per_ray(self.counts.steps, self.counts.steps > 0)
+    }
+
+    /// Leaps a ray; NaN if not even steps are counted.
+    pub fn leaps_per_ray(&self) -> f64 {
+        self.per_ray(self.counts.leaps, self.counts.steps > 0)
+    }
+
+    fn per_ray(&self, number: u64, counted: bool) -> f64 {
+        if counted { number as f64 / self.counts.rays as f64 } else { f64::NAN }
+    }
+}
+
 /// A ray on which two accelerators disagree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {

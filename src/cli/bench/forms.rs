@@ -93,28 +93,11 @@ fn of_scene(study: &Study, scene: &SceneResult) -> Table {
             cells.push(if there { joined(study, |kind| scene.ratio(row, anchor, kind)) } else { "-".into() });
         }
         cells.extend([short(scene.build_ns(row)), short(scene.bytes(row))]);
-        cells.extend([of_kind(&tests), of_kind(&steps), of_kind(&leaps)]);
+        cells.extend([of_kind(&Rate::tests_per_ray), of_kind(&Rate::steps_per_ray), of_kind(&Rate::leaps_per_ray)]);
         cells.extend(study.options.spp.iter().map(|spp| short(1e3 * scene.image_seconds(row, *spp))));
         table.row(cells);
     }
     table
-}
-
-/// Tests a ray; NaN if they are not counted: peers do not say.
-fn tests(rate: &Rate) -> f64 {
-    let counts = &rate.counts;
-    let counted = counts.tests > 0 || counts.steps > 0;
-    if counted { counts.tests as f64 / counts.rays as f64 } else { f64::NAN }
-}
-
-/// Steps a ray; NaN if they are not counted.
-fn steps(rate: &Rate) -> f64 {
-    if rate.counts.steps > 0 { rate.counts.steps as f64 / rate.counts.rays as f64 } else { f64::NAN }
-}
-
-/// Leaps a ray; NaN if not even steps are counted.
-fn leaps(rate: &Rate) -> f64 {
-    if rate.counts.steps > 0 { rate.counts.leaps as f64 / rate.counts.rays as f64 } else { f64::NAN }
 }
 
 /// A table for each class that more than one scene was measured of.
@@ -198,7 +181,11 @@ pub(super) fn csv(study: &Study) -> String {
                 cells.extend([kind.kind.name().to_string(), kind.rays.to_string(), kind.hits.to_string()]);
                 cells.extend([of.accel.clone(), of.exact.to_string()]);
                 cells.extend([number(&|r| r.rays_per_second), number(&|r| r.spread)]);
-                cells.extend([number(&tests), number(&steps), number(&leaps)]);
+                cells.extend([
+                    number(&Rate::tests_per_ray),
+                    number(&Rate::steps_per_ray),
+                    number(&Rate::leaps_per_ray),
+                ]);
                 cells.push(rate.map_or(String::new(), |r| r.differing.to_string()));
                 cells.extend([exact(of.build.milliseconds), exact(of.build.cpu_milliseconds)]);
                 cells.extend([
@@ -278,9 +265,9 @@ fn accelerator(study: &Study, scene: &SceneResult, row: usize) -> Value {
                 "kind": kind.name(),
                 "rays_per_second": rate.rays_per_second,
                 "spread": rate.spread,
-                "tests_per_ray": tests(rate),
-                "steps_per_ray": steps(rate),
-                "leaps_per_ray": leaps(rate),
+                "tests_per_ray": rate.tests_per_ray(),
+                "steps_per_ray": rate.steps_per_ray(),
+                "leaps_per_ray": rate.leaps_per_ray(),
                 "differing": rate.differing,
                 "over": over.collect::<serde_json::Map<_, _>>(),
             }))
