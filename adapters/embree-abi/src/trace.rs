@@ -69,6 +69,9 @@ impl Query {
     }
 
     /// The segment that accelerators trace, up to `t_max`.
+    ///
+    /// # Safety
+    /// `ray` is good for reading.
     unsafe fn segment(ray: *const Ray, t_max: f32) -> skipgrid::Ray {
         // SAFETY: as the caller promises.
         let ray = unsafe { &*ray };
@@ -76,6 +79,10 @@ impl Query {
         skipgrid::Ray { origin, direction, t_min: ray.tnear.next_up(), t_max }
     }
 
+    /// Looks for the closest hit and takes it.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn trace_closest(query: *mut Query) {
         // SAFETY: as the caller promises; no reference to the query or the ray lasts over a callback.
         unsafe {
@@ -107,6 +114,10 @@ impl Query {
         }
     }
 
+    /// True if there is any hit that masks and filters let pass.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn trace_any(query: *mut Query) -> bool {
         // SAFETY: as in `trace_closest`.
         unsafe {
@@ -134,6 +145,9 @@ impl Query {
     }
 
     /// Writes the hit and the end of the ray.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn take(query: *mut Query, hit: &Hit, t: f32) {
         // SAFETY: as the caller promises.
         unsafe {
@@ -149,6 +163,9 @@ impl Query {
     }
 
     /// Takes the hit of a triangle if masks and filters let it pass; then where it ends up. Each triangle is asked about once.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn accepts(query: *mut Query, part: &Part, prim: u32, t: f32, mut hit: Hit) -> Option<f32> {
         // SAFETY: as in `trace_closest`.
         unsafe {
@@ -178,12 +195,18 @@ impl Query {
     }
 
     /// True if the geometry is not there for this ray.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn masked(query: *const Query, part: &Part) -> bool {
         // SAFETY: as in `trace_closest`.
         unsafe { (*query).terms.masks && (*(*query).terms.ray).mask & part.mask == 0 }
     }
 
     /// Asks the geometry's filter, then the caller's.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn filters_pass(query: *mut Query, part: &Part, own: Option<FilterFunction>, hit: &mut Hit) -> bool {
         // SAFETY: as in `trace_closest`.
         unsafe {
@@ -250,6 +273,9 @@ impl Query {
     }
 
     /// Calls a user geometry's function. Then where the ray ends, if that is closer than before.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn call_user(query: *mut Query, part: &Part, primitive: u32) -> Option<f32> {
         // SAFETY: as in `trace_closest`.
         unsafe {
@@ -291,6 +317,9 @@ impl Query {
     }
 
     /// Traces what an instance shows in its own space. Then where the ray ends, if that is closer than before.
+    ///
+    /// # Safety
+    /// As [`Query::offer_triangle`].
     unsafe fn through_instance(query: *mut Query, built: &Built, part: &Part, to_local: &DAffine3) -> Option<f32> {
         // SAFETY: as in `trace_closest`.
         unsafe {

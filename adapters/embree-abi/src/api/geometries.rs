@@ -15,6 +15,9 @@ use std::ptr;
 use std::sync::Arc;
 
 /// Runs `work` on the geometry of a handle; raises its error, if any.
+///
+/// # Safety
+/// The handle is null or alive.
 unsafe fn with(geometry: *const Geometry, work: impl FnOnce(&Geometry) -> Result<(), Fault>) {
     // SAFETY: as the caller promises.
     if let Some(geometry) = unsafe { object(geometry, "a geometry") } {

@@ -30,6 +30,9 @@ macro_rules! c_functions {
 pub(crate) use c_functions;
 
 /// The object of a handle, or an error.
+///
+/// # Safety
+/// The handle is null or alive.
 pub(crate) unsafe fn object<'a, T>(handle: *const T, what: &str) -> Option<&'a T> {
     // SAFETY: as the caller promises.
     let found = unsafe { handle::get(handle) };

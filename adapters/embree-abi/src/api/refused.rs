@@ -31,6 +31,9 @@ impl Owned for Scene {
 }
 
 /// Raises that `what` is not supported on the device of an object.
+///
+/// # Safety
+/// The handle is null or alive.
 unsafe fn refuse<T: Owned>(handle: *const T, what: &str) {
     // SAFETY: as the caller promises.
     if let Some(owned) = unsafe { object(handle, "an object") } {

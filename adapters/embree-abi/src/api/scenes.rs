@@ -12,6 +12,9 @@ use std::ptr;
 use std::sync::Arc;
 
 /// Runs `work` on the scene of a handle; raises its error, if any.
+///
+/// # Safety
+/// The handle is null or alive.
 unsafe fn with(scene: *const Scene, work: impl FnOnce(&Scene) -> Result<(), Fault>) {
     // SAFETY: as the caller promises.
     if let Some(scene) = unsafe { object(scene, "a scene") } {
